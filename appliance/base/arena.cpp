@@ -1,0 +1,42 @@
+#include "base/arena.hpp"
+
+#include <sys/mman.h>
+
+#include <cstdio>
+#include <cstring>
+#include <new>
+
+namespace beltpick {
+
+std::byte* Arena::claim(const char* name, std::size_t bytes) {
+  const std::size_t rounded = (bytes + kAlignment - 1) / kAlignment * kAlignment;
+  const std::size_t at = used_;
+  used_ += rounded;
+  if (memory_ != nullptr && used_ > capacity_) {
+    std::fprintf(stderr, "beltpick: the memory budget of %zu bytes does not cover '%s' (%zu bytes): a bug in the budget\n",
+                 capacity_, name, bytes);
+    std::abort();
+  }
+  Share* share = nullptr;
+  for (std::size_t i = 0; i < share_count_; ++i) {
+    if (std::strcmp(shares_[i].name, name) == 0) share = &shares_[i];
+  }
+  if (share == nullptr && share_count_ < kMaxShares) {
+    share = &shares_[share_count_++];
+    *share = {name, 0};
+  }
+  if (share != nullptr) share->bytes += rounded;
+  return memory_ == nullptr ? nullptr : memory_ + at;
+}
+
+ArenaBlock::ArenaBlock(std::size_t bytes) : bytes_(bytes) {
+  void* block = mmap(nullptr, bytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_POPULATE, -1, 0);
+  if (block == MAP_FAILED) throw std::bad_alloc();
+  data_ = static_cast<std::byte*>(block);
+}
+
+ArenaBlock::~ArenaBlock() { munmap(data_, bytes_); }
+
+bool ArenaBlock::lock() const { return mlock(data_, bytes_) == 0; }
+
+}  // namespace beltpick

@@ -1,0 +1,89 @@
+// The data that flows from stage to stage. Each stage takes and returns these; none knows the others.
+//
+// All images of a capture have the camera's size. Memory belongs to the pipeline's arena; these are views of it.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+
+#include "base/image.hpp"
+#include "base/pose.hpp"
+
+namespace beltpick {
+
+// Why a pixel has no projector coordinate (or that it has one).
+enum class PixelState : std::uint8_t { kValid = 0, kDark, kSaturated, kLowModulation, kOrderUncertain, kEdge };
+
+// decode -> range. Absolute projector coordinates; NaN where not measured or not coded.
+struct CodeImage {
+  ImageView<float> column_px;      // along projector rows, pixel centres at integers
+  ImageView<float> row_px;         // empty view when the sequence does not code rows
+  ImageView<float> modulation;     // amplitude of the fringe in grey levels of an 8-bit camera; higher is better
+  ImageView<std::uint8_t> texture; // the scene as under white light, 8 bit
+  ImageView<PixelState> state;
+};
+
+// range -> segment and after. Camera frame, mm; z = 0 marks "not measured" (no measurement is NaN, nor is a gap).
+struct RangeImage {
+  ImageView<Vec3f> point_mm;       // ordered, (row, column)
+  ImageView<float> sigma_mm;       // predicted standard deviation along the ray; empty view for foreign clouds
+  ImageView<std::uint8_t> texture; // empty view for foreign clouds
+
+  [[nodiscard]] bool valid(int row, int col) const { return point_mm(row, col).z() > 0.0F; }
+};
+
+// A plane: points x with normal . x = offset_mm, in the camera frame; the normal points to the camera (z < 0).
+struct Plane {
+  Vec3 normal = -Vec3::UnitZ();
+  double offset_mm = 0.0;
+
+  // Height above the plane, positive towards the camera.
+  [[nodiscard]] double height_mm(const Vec3& point_mm) const { return normal.dot(point_mm) - offset_mm; }
+};
+
+// segment -> primitives. One object: the pixels of `labels` that hold `label`.
+struct Segment {
+  std::uint16_t label = 0;         // 1.. ; 0 is the belt or nothing
+  int row_min = 0, row_max = 0, col_min = 0, col_max = 0;  // inclusive
+  int pixels = 0;
+  float top_mm = 0.0F;             // greatest height above the belt
+  bool touches_border = false;     // of the image: part of the object may be out of view
+};
+
+// A measured point with its surface normal (towards the camera), camera frame.
+struct OrientedPoint {
+  Vec3f point_mm;
+  Vec3f normal;
+};
+
+enum class PrimitiveKind : std::uint8_t { kPlane, kCylinder, kSphere };
+
+// A primitive found in an object (camera frame) or taught with a part (part frame).
+struct Primitive {
+  PrimitiveKind kind = PrimitiveKind::kPlane;
+  Vec3 point_mm = Vec3::Zero();    // on the plane; on the axis, midway along what is seen; the centre
+  Vec3 direction = Vec3::UnitZ();  // outward normal; axis (sign free); unused for a sphere
+  double radius_mm = 0.0;          // 0 for a plane
+  double extent_mm = 0.0;          // length along the axis of what is seen; 0 otherwise
+  bool concave = false;            // a bore rather than a boss
+  double inlier_share = 0.0;       // of the object's points (or of the part's surface)
+  double rms_mm = 0.0;             // of the inliers
+};
+
+// search -> icp. A rough pose and the mean distance Q that ranks it.
+struct Hypothesis {
+  Pose<frame::Camera, frame::Part> T_camera_part;
+  float mean_distance_mm = 0.0F;
+};
+
+// icp -> result.
+struct Alignment {
+  Pose<frame::Camera, frame::Part> T_camera_part;
+  double rms_mm = 0.0;             // of the inliers, to the surface
+  double inlier_share = 0.0;       // of the object's sample
+  Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Zero();  // rotation (rad), translation (mm)
+  int iterations = 0;
+};
+
+}  // namespace beltpick

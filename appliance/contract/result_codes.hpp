@@ -1,0 +1,159 @@
+// Every result code of beltpick: number, name, what it means, what to do. Numbers are a promise to PLC programs: codes
+// are only ever added. Codes 200 + n are the trigger firmware's fault n.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string_view>
+
+#include "base/result.hpp"
+
+namespace beltpick {
+
+enum class ResultCode : std::uint16_t {
+  kOk = 0,
+  // Files and the command line.
+  kUsage = 10,
+  kFileNotFound = 11,
+  kFileUnreadable = 12,
+  kFileNotWritten = 13,
+  kFormatInvalid = 14,
+  kMemberMissing = 15,
+  kValueOutOfRange = 16,
+  kVersionUnsupported = 17,
+  kChecksumWrong = 18,
+  kFrameSizeMismatch = 19,
+  kSequenceUndecodable = 20,
+  kSequenceOrderWrong = 21,
+  kCalibrationMismatch = 22,
+  kMeshInvalid = 23,
+  kLimitExceeded = 24,
+  kTemplateTooLarge = 25,
+  kTooFewPoints = 26,
+  kNothingFound = 27,
+  kServiceUnreachable = 28,
+  // The running cell.
+  kFrameMissing = 100,
+  kFrameIncomplete = 101,
+  kFrameWrongSize = 102,
+  kFrameBlack = 103,
+  kFrameDuplicated = 104,
+  kCameraLost = 105,
+  kCameraNotFound = 106,
+  kTriggerLost = 107,
+  kBeltMovedDuringCapture = 108,
+  kBeltMovedDuringOffer = 109,
+  kRobotInView = 110,
+  kPickFailed = 111,
+  kPlcSilent = 112,
+  kEmergencyStop = 113,
+  kOfferExpired = 114,
+  kSignalsDisagree = 115,
+  kCommandNotAllowed = 116,
+  kCommandUnknown = 117,
+  kRecipeUnknown = 118,
+  kNoCalibration = 119,
+  kNoTemplate = 120,
+  kRestarted = 121,
+  kModelChanged = 122,
+  kCaptureTimeout = 123,
+  kInternal = 124,
+  // Why an object was withheld.
+  kObjectTooSmall = 150,
+  kNoHypothesis = 151,
+  kNotConverged = 152,
+  kResidualTooHigh = 153,
+  kCoverageTooLow = 154,
+  kFreeSpaceViolated = 155,
+  kPoseAmbiguous = 156,
+  kObstructed = 157,
+  kNoGrasp = 158,
+  kPartlyOutOfView = 159,
+  kSegmentLimit = 160,
+  kDuplicatePose = 161,
+  // 200 + n: the trigger firmware's fault n (trigger_fw/protocol).
+  kFirmwareFaultBase = 200,
+};
+
+struct ResultCodeEntry {
+  ResultCode code;
+  std::string_view name;    // as it stands in result.json, logs and the register reference
+  std::string_view cause;   // for the operator
+  std::string_view remedy;  // what to do
+};
+
+inline constexpr auto kResultCodes = std::to_array<ResultCodeEntry>({
+    {ResultCode::kOk, "OK", "done", ""},
+    {ResultCode::kUsage, "USAGE", "the command line is wrong", "see --help"},
+    {ResultCode::kFileNotFound, "FILE_NOT_FOUND", "a file or folder is not there", "check the path"},
+    {ResultCode::kFileUnreadable, "FILE_UNREADABLE", "a file cannot be read", "check permissions and whether it is whole"},
+    {ResultCode::kFileNotWritten, "FILE_NOT_WRITTEN", "a file cannot be written", "check the folder, permissions and free space"},
+    {ResultCode::kFormatInvalid, "FORMAT_INVALID", "a file is not in the expected format", "correct it where the message points"},
+    {ResultCode::kMemberMissing, "MEMBER_MISSING", "a file lacks a required member", "add the member that the message names"},
+    {ResultCode::kValueOutOfRange, "VALUE_OUT_OF_RANGE", "a value is outside what is allowed", "correct the value that the message names"},
+    {ResultCode::kVersionUnsupported, "VERSION_UNSUPPORTED", "the file's version is not known here", "update beltpick or write the file anew"},
+    {ResultCode::kChecksumWrong, "CHECKSUM_WRONG", "the file was damaged", "copy or make it again"},
+    {ResultCode::kFrameSizeMismatch, "FRAME_SIZE_MISMATCH", "frames of one capture differ in size", "capture again"},
+    {ResultCode::kSequenceUndecodable, "SEQUENCE_UNDECODABLE", "the pattern sequence does not determine the projector coordinate", "add the frames that the message names"},
+    {ResultCode::kSequenceOrderWrong, "SEQUENCE_ORDER_WRONG", "the images do not fit the declared order of frames", "check the frame list against the images"},
+    {ResultCode::kCalibrationMismatch, "CALIBRATION_MISMATCH", "the calibration is of another camera, projector, size or region", "use the calibration of this cell, or calibrate"},
+    {ResultCode::kMeshInvalid, "MESH_INVALID", "the mesh cannot be used", "export it again"},
+    {ResultCode::kLimitExceeded, "LIMIT_EXCEEDED", "a declared limit is exceeded", "raise the limit in the configuration or reduce the input"},
+    {ResultCode::kTemplateTooLarge, "TEMPLATE_TOO_LARGE", "a template is larger than the declared limits", "teach with fewer points or raise the limit"},
+    {ResultCode::kTooFewPoints, "TOO_FEW_POINTS", "too few points were measured", "check exposure, focus and calibration"},
+    {ResultCode::kNothingFound, "NOTHING_FOUND", "nothing was found", "check the view and the templates"},
+    {ResultCode::kServiceUnreachable, "SERVICE_UNREACHABLE", "the appliance does not answer", "check address, port and that beltpickd runs"},
+    {ResultCode::kFrameMissing, "FRAME_MISSING", "the camera delivered fewer frames than were triggered", "check trigger wiring, network and exposure + readout against the period"},
+    {ResultCode::kFrameIncomplete, "FRAME_INCOMPLETE", "packets of a frame were lost", "check the network card, packet size and receive buffers"},
+    {ResultCode::kFrameWrongSize, "FRAME_WRONG_SIZE", "a frame has another size than configured", "check the camera's region of interest"},
+    {ResultCode::kFrameBlack, "FRAME_BLACK", "a frame is black", "check the projector, its advance line and the lens cap"},
+    {ResultCode::kFrameDuplicated, "FRAME_DUPLICATED", "the same pattern was imaged twice", "check the projector's advance line"},
+    {ResultCode::kCameraLost, "CAMERA_LOST", "the camera no longer answers", "check its cable and power; it is reopened by itself"},
+    {ResultCode::kCameraNotFound, "CAMERA_NOT_FOUND", "the configured camera does not answer", "check address or serial number, cable and power"},
+    {ResultCode::kTriggerLost, "TRIGGER_LOST", "the trigger microcontroller no longer answers", "check its cable and power"},
+    {ResultCode::kBeltMovedDuringCapture, "BELT_MOVED_DURING_CAPTURE", "the belt moved during the capture", "check the PLC's stop signal and the belt's brake"},
+    {ResultCode::kBeltMovedDuringOffer, "BELT_MOVED_DURING_OFFER", "the belt moved while a pose was offered; it was revoked", "the PLC must wait for 'belt may move'"},
+    {ResultCode::kRobotInView, "ROBOT_IN_VIEW", "the robot entered the view during the capture", "the PLC must keep the robot clear while 'capturing'"},
+    {ResultCode::kPickFailed, "PICK_FAILED", "the robot reported a failed pick; the view is captured again", "check gripper and grasp"},
+    {ResultCode::kPlcSilent, "PLC_SILENT", "the PLC's heartbeat stopped", "check the PLC and the network"},
+    {ResultCode::kEmergencyStop, "EMERGENCY_STOP", "the emergency stop is pressed", "release it and clear the fault"},
+    {ResultCode::kOfferExpired, "OFFER_EXPIRED", "the offer is older than max_age_ms; it was revoked", "check why the robot did not come"},
+    {ResultCode::kSignalsDisagree, "SIGNALS_DISAGREE", "the belt-stopped line and register disagree", "check the wiring of the belt-stopped line"},
+    {ResultCode::kCommandNotAllowed, "COMMAND_NOT_ALLOWED", "the command does not fit the present state", "see the state in the register table"},
+    {ResultCode::kCommandUnknown, "COMMAND_UNKNOWN", "there is no such command", "see the register table"},
+    {ResultCode::kRecipeUnknown, "RECIPE_UNKNOWN", "there is no recipe of that number", "upload it, or correct the number"},
+    {ResultCode::kNoCalibration, "NO_CALIBRATION", "no calibration is loaded", "calibrate and upload it"},
+    {ResultCode::kNoTemplate, "NO_TEMPLATE", "no template is loaded", "teach a part and upload it"},
+    {ResultCode::kRestarted, "RESTARTED", "the appliance was restarted; offers before it are void", "clear it and start a new cycle"},
+    {ResultCode::kModelChanged, "MODEL_CHANGED", "recipe, template or calibration changed; offers before it are void", "start a new cycle"},
+    {ResultCode::kCaptureTimeout, "CAPTURE_TIMEOUT", "the capture did not end in time", "check trigger and camera"},
+    {ResultCode::kInternal, "INTERNAL", "a fault in beltpick itself", "send the log to the maintainer"},
+    {ResultCode::kObjectTooSmall, "OBJECT_TOO_SMALL", "the object has too few points to judge", "dirt, or a part mostly hidden"},
+    {ResultCode::kNoHypothesis, "NO_HYPOTHESIS", "no template fits the object even roughly", "a foreign object, or a part not taught"},
+    {ResultCode::kNotConverged, "NOT_CONVERGED", "no hypothesis converged", "a foreign object, or a part mostly hidden"},
+    {ResultCode::kResidualTooHigh, "RESIDUAL_TOO_HIGH", "the best pose leaves too large a distance to the surface", "a foreign or damaged part, or a wrong template"},
+    {ResultCode::kCoverageTooLow, "COVERAGE_TOO_LOW", "too little of what should be visible was measured", "a part mostly hidden, shiny, or a foreign object"},
+    {ResultCode::kFreeSpaceViolated, "FREE_SPACE_VIOLATED", "the pose claims space that was seen to be empty", "a foreign object, or a wrong template"},
+    {ResultCode::kPoseAmbiguous, "POSE_AMBIGUOUS", "two different poses fit equally well", "wait for a better view of the part"},
+    {ResultCode::kObstructed, "OBSTRUCTED", "another object lies over the part or in the gripper's way", "it comes free when the other is picked"},
+    {ResultCode::kNoGrasp, "NO_GRASP", "no taught grasp can be reached", "teach further grasps"},
+    {ResultCode::kPartlyOutOfView, "PARTLY_OUT_OF_VIEW", "too much of the part is outside the image", "it is seen whole on its next lap"},
+    {ResultCode::kSegmentLimit, "SEGMENT_LIMIT", "more objects than the declared limit", "raise the limit or put fewer parts on the belt"},
+    {ResultCode::kDuplicatePose, "DUPLICATE_POSE", "the pose overlaps one that is better supported", ""},
+});
+
+// The entry of a code; firmware faults and unknown numbers answer with null.
+constexpr const ResultCodeEntry* find_result_code(ResultCode code) {
+  for (const ResultCodeEntry& entry : kResultCodes) {
+    if (entry.code == code) return &entry;
+  }
+  return nullptr;
+}
+
+constexpr std::string_view result_code_name(ResultCode code) {
+  const ResultCodeEntry* entry = find_result_code(code);
+  if (entry != nullptr) return entry->name;
+  return static_cast<std::uint16_t>(code) > 200 ? "FIRMWARE_FAULT" : "UNKNOWN";
+}
+
+}  // namespace beltpick
