@@ -95,3 +95,8 @@ function(beltpick_program name)
   add_executable(${name} ${arg_SOURCES})
   target_link_libraries(${name} PRIVATE ${arg_LINKS} ${arg_PACKAGES} beltpick_warnings)
 endfunction()
+
+# Compiles sources with BELTPICK_KERNEL functions (base/kernel.hpp) for speed, with the same bits on every vector unit.
+function(beltpick_kernel_sources)
+  set_source_files_properties(${ARGN} PROPERTIES COMPILE_OPTIONS "-O3;-ffp-contract=off")
+endfunction()
