@@ -13,7 +13,8 @@ std::byte* Arena::claim(const char* name, std::size_t bytes) {
   const std::size_t at = used_;
   used_ += rounded;
   if (memory_ != nullptr && used_ > capacity_) {
-    std::fprintf(stderr, "beltpick: the memory budget of %zu bytes does not cover '%s' (%zu bytes): a bug in the budget\n",
+    std::fprintf(stderr,
+                 "beltpick: the memory budget of %zu bytes does not cover '%s' (%zu bytes): a bug in the budget\n",
                  capacity_, name, bytes);
     std::abort();
   }

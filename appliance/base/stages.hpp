@@ -17,18 +17,18 @@ enum class PixelState : std::uint8_t { kValid = 0, kDark, kSaturated, kLowModula
 
 // decode -> range. Absolute projector coordinates; NaN where not measured or not coded.
 struct CodeImage {
-  ImageView<float> column_px;      // along projector rows, pixel centres at integers
-  ImageView<float> row_px;         // empty view when the sequence does not code rows
-  ImageView<float> modulation;     // amplitude of the fringe in grey levels of an 8-bit camera; higher is better
-  ImageView<std::uint8_t> texture; // the scene as under white light, 8 bit
+  ImageView<float> column_px;       // along projector rows, pixel centres at integers
+  ImageView<float> row_px;          // empty view when the sequence does not code rows
+  ImageView<float> modulation;      // amplitude of the fringe in grey levels of an 8-bit camera; higher is better
+  ImageView<std::uint8_t> texture;  // the scene as under white light, 8 bit
   ImageView<PixelState> state;
 };
 
 // range -> segment and after. Camera frame, mm; z = 0 marks "not measured" (no measurement is NaN, nor is a gap).
 struct RangeImage {
-  ImageView<Vec3f> point_mm;       // ordered, (row, column)
-  ImageView<float> sigma_mm;       // predicted standard deviation along the ray; empty view for foreign clouds
-  ImageView<std::uint8_t> texture; // empty view for foreign clouds
+  ImageView<Vec3f> point_mm;        // ordered, (row, column)
+  ImageView<float> sigma_mm;        // predicted standard deviation along the ray; empty view for foreign clouds
+  ImageView<std::uint8_t> texture;  // empty view for foreign clouds
 
   [[nodiscard]] bool valid(int row, int col) const { return point_mm(row, col).z() > 0.0F; }
 };
@@ -44,11 +44,11 @@ struct Plane {
 
 // segment -> primitives. One object: the pixels of `labels` that hold `label`.
 struct Segment {
-  std::uint16_t label = 0;         // 1.. ; 0 is the belt or nothing
+  std::uint16_t label = 0;                                 // 1.. ; 0 is the belt or nothing
   int row_min = 0, row_max = 0, col_min = 0, col_max = 0;  // inclusive
   int pixels = 0;
-  float top_mm = 0.0F;             // greatest height above the belt
-  bool touches_border = false;     // of the image: part of the object may be out of view
+  float top_mm = 0.0F;          // greatest height above the belt
+  bool touches_border = false;  // of the image: part of the object may be out of view
 };
 
 // A measured point with its surface normal (towards the camera), camera frame.
@@ -80,8 +80,8 @@ struct Hypothesis {
 // icp -> result.
 struct Alignment {
   Pose<frame::Camera, frame::Part> T_camera_part;
-  double rms_mm = 0.0;             // of the inliers, to the surface
-  double inlier_share = 0.0;       // of the object's sample
+  double rms_mm = 0.0;                                                           // of the inliers, to the surface
+  double inlier_share = 0.0;                                                     // of the object's sample
   Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Zero();  // rotation (rad), translation (mm)
   int iterations = 0;
 };

@@ -21,7 +21,8 @@ struct ProjectorGrid {
 
 // One projected frame. x is the integer pixel index along `axis`.
 //   phase: intensity = a + b cos(2 pi x / period_px + offset_rad + 2 pi step / steps)
-//   gray:  bit `bit` (0 = least significant) of c xor (c >> 1), c = floor((x + 0.5) / cell_px); bright = 1 unless inverted
+//   gray:  bit `bit` (0 = least significant) of c xor (c >> 1), c = floor((x + 0.5) / cell_px); bright = 1 unless
+//   inverted
 struct FrameSpec {
   std::string file;
   FrameKind kind = FrameKind::kWhite;

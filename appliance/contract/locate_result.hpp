@@ -22,12 +22,12 @@ struct LocatedPart {
   std::uint16_t segment = 0;
   PoseStatus status = PoseStatus::kVerified;
   Pose<frame::Camera, frame::Part> T_camera_part;
-  int grasp_index = -1;        // into the template's grasps; -1: none is reachable
-  double rms_mm = 0.0;         // inliers to the surface
-  double coverage = 0.0;       // share of what should be visible that was measured where the pose says
-  double free_space_share = 0.0;  // share of it that was seen to be empty
-  double score = 0.0;          // 0..1
-  double top_mm = 0.0;         // height of its highest point above the belt
+  int grasp_index = -1;            // into the template's grasps; -1: none is reachable
+  double rms_mm = 0.0;             // inliers to the surface
+  double coverage = 0.0;           // share of what should be visible that was measured where the pose says
+  double free_space_share = 0.0;   // share of it that was seen to be empty
+  double score = 0.0;              // 0..1
+  double top_mm = 0.0;             // height of its highest point above the belt
   bool touches_neighbour = false;  // picking it may move another part: capture again after
   Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Zero();
 };

@@ -1,0 +1,84 @@
+#include "contract_io/grasps_io.hpp"
+
+#include <sstream>
+#define TOML_EXCEPTIONS 1
+#include <toml++/toml.h>
+
+#include "contract/result_codes.hpp"
+
+namespace beltpick::contract_io {
+
+namespace {
+
+Result<Vec3> read_vector(const toml::table& grasp, const char* member, const char* where) {
+  const toml::array* values = grasp[member].as_array();
+  if (values == nullptr) {
+    return failure(ResultCode::kMemberMissing, "%s: %s: expected three numbers, found none", where, member);
+  }
+  Vec3 v = Vec3::Zero();
+  for (std::size_t k = 0; k < 3; ++k) {
+    const auto number = values->size() == 3 ? (*values)[k].value<double>() : std::nullopt;
+    if (!number) return failure(ResultCode::kFormatInvalid, "%s: %s: expected three numbers", where, member);
+    v[static_cast<Eigen::Index>(k)] = *number;
+  }
+  return v;
+}
+
+Result<Grasp> read_grasp(const toml::table& table, const char* where) {
+  const auto position_mm = read_vector(table, "position_mm", where);
+  const auto approach = position_mm ? read_vector(table, "approach", where) : position_mm;
+  const auto closing = approach ? read_vector(table, "closing", where) : approach;
+  if (!closing) return std::unexpected(closing.error());
+  if (approach->cross(*closing).norm() < 0.1 * approach->norm() * closing->norm() || approach->norm() < 1e-6 ||
+      closing->norm() < 1e-6) {
+    return failure(ResultCode::kValueOutOfRange,
+                   "%s: closing: expected a direction across 'approach', found one along it", where);
+  }
+  const auto opening_mm = table["opening_mm"].value<double>();
+  if (!opening_mm || *opening_mm <= 0) {
+    return failure(ResultCode::kMemberMissing, "%s: opening_mm: expected a positive number of mm", where);
+  }
+  return Grasp{table["name"].value_or(std::string("grasp")), gripper_pose(*position_mm, *approach, *closing),
+               *opening_mm};
+}
+
+}  // namespace
+
+Pose<frame::Part, frame::Gripper> gripper_pose(const Vec3& position_mm, const Vec3& approach, const Vec3& closing) {
+  const Vec3 z = approach.normalized();
+  const Vec3 x = (closing - closing.dot(z) * z).normalized();
+  Pose<frame::Part, frame::Gripper> pose;
+  pose.rotation << x, z.cross(x), z;
+  pose.translation_mm = position_mm;
+  return pose;
+}
+
+Result<std::vector<Grasp>> read_grasps(const std::filesystem::path& path) {
+  std::error_code no_file;
+  if (!std::filesystem::is_regular_file(path, no_file)) {
+    return failure(ResultCode::kFileNotFound, "%s: expected a grasps file, found none; check the path", path.c_str());
+  }
+  toml::table root;
+  try {
+    root = toml::parse_file(path.string());
+  } catch (const toml::parse_error& error) {
+    return failure(ResultCode::kFormatInvalid, "%s: line %u: %s", path.c_str(), error.source().begin.line,
+                   std::string(error.description()).c_str());
+  }
+  std::vector<Grasp> grasps;
+  const toml::array* list = root["grasp"].as_array();
+  for (std::size_t i = 0; list != nullptr && i < list->size(); ++i) {
+    const toml::table* table = (*list)[i].as_table();
+    const std::string where = path.string() + ": grasp " + std::to_string(i + 1);
+    if (table == nullptr) return failure(ResultCode::kFormatInvalid, "%s: expected a table [[grasp]]", where.c_str());
+    auto grasp = read_grasp(*table, where.c_str());
+    if (!grasp) return std::unexpected(grasp.error());
+    grasps.push_back(*grasp);
+  }
+  if (grasps.empty()) {
+    return failure(ResultCode::kMemberMissing, "%s: expected at least one table [[grasp]], found none", path.c_str());
+  }
+  return grasps;
+}
+
+}  // namespace beltpick::contract_io

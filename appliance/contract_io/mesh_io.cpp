@@ -1,0 +1,117 @@
+#include "contract_io/mesh_io.hpp"
+
+#include <algorithm>
+#include <cstring>
+#include <fstream>
+#include <sstream>
+
+#include "contract/result_codes.hpp"
+#include "contract_io/mesh_parts.hpp"
+
+namespace beltpick::contract_io {
+
+namespace {
+
+Result<std::string> read_bytes(const std::filesystem::path& path) {
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(path, error)) {
+    return failure(ResultCode::kFileNotFound, "%s: expected a mesh file, found none; check the path", path.c_str());
+  }
+  std::ifstream file(path, std::ios::binary);
+  std::ostringstream bytes;
+  bytes << file.rdbuf();
+  if (!file) return failure(ResultCode::kFileUnreadable, "%s: cannot be read; check its permissions", path.c_str());
+  return bytes.str();
+}
+
+std::string extension_of(const std::filesystem::path& path) {
+  std::string extension = path.extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return extension;
+}
+
+Result<Mesh> parse(const std::filesystem::path& path, const std::string& bytes) {
+  const std::string extension = extension_of(path);
+  if (extension == ".stl") return parse_stl(bytes, path.string());
+  if (extension == ".ply") return parse_ply(bytes, path.string());
+  if (extension == ".obj") return parse_obj(bytes, path.string());
+  return failure(ResultCode::kFormatInvalid,
+                 "%s: expected a file ending in .stl, .ply or .obj; convert it to one of these", path.c_str());
+}
+
+// Faces without area carry no surface and no normal.
+bool degenerate(const Mesh& mesh, const std::array<std::uint32_t, 3>& face) {
+  const Vec3f a = mesh.vertex_mm[face[1]] - mesh.vertex_mm[face[0]];
+  const Vec3f b = mesh.vertex_mm[face[2]] - mesh.vertex_mm[face[0]];
+  return !(a.cross(b).squaredNorm() > 0.0F);
+}
+
+Result<void> check(const Mesh& mesh, const std::string& name) {
+  if (mesh.vertex_mm.empty())
+    return failure(ResultCode::kMeshInvalid, "%s: expected a surface, found no points at all", name.c_str());
+  for (std::size_t i = 0; i < mesh.vertex_mm.size(); ++i) {
+    if (!mesh.vertex_mm[i].allFinite()) {
+      return failure(ResultCode::kMeshInvalid, "%s: vertex %zu is not a finite number; export it again", name.c_str(),
+                     i);
+    }
+  }
+  for (std::size_t f = 0; f < mesh.face.size(); ++f) {
+    for (const std::uint32_t index : mesh.face[f]) {
+      if (index >= mesh.vertex_mm.size()) {
+        return failure(ResultCode::kMeshInvalid, "%s: face %zu names vertex %u, but there are %zu; export it again",
+                       name.c_str(), f, index, mesh.vertex_mm.size());
+      }
+    }
+  }
+  return {};
+}
+
+}  // namespace
+
+Result<Mesh> read_mesh(const std::filesystem::path& path, double mm_per_unit) {
+  const auto bytes = read_bytes(path);
+  if (!bytes) return std::unexpected(bytes.error());
+  auto mesh = parse(path, *bytes);
+  if (!mesh) return mesh;
+  const bool had_faces = !mesh->face.empty();
+  if (auto checked = check(*mesh, path.string()); !checked) return std::unexpected(checked.error());
+  std::erase_if(mesh->face, [&](const auto& face) { return degenerate(*mesh, face); });
+  const bool is_scan = extension_of(path) == ".ply" && !had_faces;
+  if (mesh->face.empty() && !is_scan) {
+    return failure(ResultCode::kMeshInvalid, "%s: expected triangles, found none with an area; export the surface",
+                   path.c_str());
+  }
+  for (Vec3f& vertex : mesh->vertex_mm) vertex *= static_cast<float>(mm_per_unit);
+  return mesh;
+}
+
+Result<void> write_stl(const std::filesystem::path& path, const Mesh& mesh) {
+  std::string bytes(80, '\0');
+  const auto append = [&](const void* data, std::size_t size) { bytes.append(static_cast<const char*>(data), size); };
+  const auto count = static_cast<std::uint32_t>(mesh.face.size());
+  append(&count, 4);
+  for (const auto& face : mesh.face) {
+    const Vec3f a = mesh.vertex_mm[face[0]];
+    const Vec3f b = mesh.vertex_mm[face[1]];
+    const Vec3f c = mesh.vertex_mm[face[2]];
+    const Vec3f normal = (b - a).cross(c - a).normalized();
+    for (const Vec3f* v : {&normal, &a, &b, &c}) append(v->data(), 12);
+    bytes.append(2, '\0');
+  }
+  const std::filesystem::path temporary = path.string() + ".part";
+  {
+    std::ofstream file(temporary, std::ios::binary);
+    file.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+    if (!file.flush())
+      return failure(ResultCode::kFileNotWritten, "%s: cannot be written; check the folder and free space",
+                     path.c_str());
+  }
+  std::error_code error;
+  std::filesystem::rename(temporary, path, error);
+  if (error)
+    return failure(ResultCode::kFileNotWritten, "%s: cannot be written: %s", path.c_str(), error.message().c_str());
+  return {};
+}
+
+}  // namespace beltpick::contract_io
