@@ -38,6 +38,30 @@ struct WithheldObject {
   Error reason;
 };
 
+// What result.json tells of one capture as a whole. Made once a result is to be written: may allocate.
+struct LocateReport {
+  struct StageTime {
+    Stage stage = Stage::kDecode;
+    double ms = 0.0;
+  };
+  struct PartTime {
+    std::uint16_t segment = 0;
+    double total_ms = 0.0;  // from the range image to the pose
+  };
+  struct MemoryShare {
+    std::string name;
+    std::uint64_t bytes = 0;
+  };
+
+  std::string capture_id;
+  std::string calibration_id;
+  std::vector<LocatedPart> parts;  // in pick order
+  std::vector<WithheldObject> withheld;
+  std::vector<StageTime> stage_times;
+  std::vector<PartTime> part_times;
+  std::vector<MemoryShare> memory;
+};
+
 constexpr const char* stage_name(Stage stage) {
   constexpr std::array names{"capture", "decode", "range", "segment", "primitives", "search", "icp", "verify", "rank"};
   return names[static_cast<std::size_t>(stage)];

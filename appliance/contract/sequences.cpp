@@ -1,0 +1,128 @@
+#include "contract/sequences.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "base/units.hpp"
+#include "contract/result_codes.hpp"
+
+namespace beltpick {
+namespace {
+
+// What distinguishes the named sequences.
+struct Recipe {
+  int steps;
+  int gray_bits;  // at most
+  bool twins;     // inverted Gray frames, white and black
+};
+
+constexpr Recipe recipe_of(SequenceName name) {
+  switch (name) {
+    case SequenceName::kFast: return {5, 7, false};
+    case SequenceName::kStandard: return {8, 8, false};
+    case SequenceName::kRobust: return {12, 8, true};
+  }
+  return {};
+}
+
+// With a blur of one projector pixel (standard deviation), 12 pixels keep 87 % of the contrast, 8 only 73 %.
+constexpr int kShortestPeriodPx = 12;
+
+int period_px(int extent, int gray_bits) {
+  const int cells = 1 << gray_bits;
+  return std::max(kShortestPeriodPx, 2 * ((extent + cells - 1) / cells));
+}
+
+int bits_for(int cells) {
+  int bits = 0;
+  while ((1 << bits) < cells) ++bits;
+  return bits;
+}
+
+void append_phase(Axis axis, int period, int steps, Sequence& sequence) {
+  for (int step = 0; step < steps; ++step) {
+    FrameSpec frame;
+    frame.kind = FrameKind::kPhase;
+    frame.axis = axis;
+    frame.period_px = period;
+    frame.steps = steps;
+    frame.step = step;
+    sequence.frames.push_back(frame);
+  }
+}
+
+void append_gray(Axis axis, int cell, int bits, bool twins, Sequence& sequence) {
+  for (int bit = bits - 1; bit >= 0; --bit) {
+    FrameSpec frame;
+    frame.kind = FrameKind::kGray;
+    frame.axis = axis;
+    frame.cell_px = cell;
+    frame.bit = bit;
+    sequence.frames.push_back(frame);
+    if (!twins) continue;
+    frame.inverted = true;
+    sequence.frames.push_back(frame);
+  }
+}
+
+void append_plain(FrameKind kind, Sequence& sequence) {
+  FrameSpec frame;
+  frame.kind = kind;
+  sequence.frames.push_back(frame);
+}
+
+void name_files(Sequence& sequence) {
+  for (std::size_t i = 0; i < sequence.frames.size(); ++i) {
+    char name[16];
+    std::snprintf(name, sizeof name, "%03zu.png", i);
+    sequence.frames[i].file = name;
+  }
+}
+
+}  // namespace
+
+Result<Sequence> make_sequence(SequenceName name, const ProjectorGrid& projector, SequenceAxes axes) {
+  const Recipe recipe = recipe_of(name);
+  Sequence sequence;
+  sequence.projector = projector;
+  if (recipe.twins) {
+    append_plain(FrameKind::kWhite, sequence);
+    append_plain(FrameKind::kBlack, sequence);
+  }
+  for (const Axis axis : {Axis::kColumn, Axis::kRow}) {
+    if (axes == (axis == Axis::kColumn ? SequenceAxes::kRow : SequenceAxes::kColumn)) continue;
+    const int extent = projector.extent(axis);
+    const int period = period_px(extent, recipe.gray_bits);
+    if (extent < 2 * period) {
+      return failure(ResultCode::kValueOutOfRange, "projector: expected at least %d %s, found %d; check its size",
+                     2 * period, axis == Axis::kColumn ? "columns" : "rows", extent);
+    }
+    const int cell = period / 2;
+    append_phase(axis, period, recipe.steps, sequence);
+    append_gray(axis, cell, bits_for((extent + cell - 1) / cell), recipe.twins, sequence);
+  }
+  name_files(sequence);
+  return sequence;
+}
+
+double pattern_intensity(const FrameSpec& frame, double x) {
+  switch (frame.kind) {
+    case FrameKind::kWhite: return 1.0;
+    case FrameKind::kBlack: return 0.0;
+    case FrameKind::kPhase:
+      return 0.5 + 0.5 * std::cos(2 * kPi * x / frame.period_px + frame.offset_rad + 2 * kPi * frame.step / frame.steps);
+    case FrameKind::kGray: break;
+  }
+  const auto cell = static_cast<std::int64_t>(std::floor((x + 0.5) / frame.cell_px));
+  const bool bit = (((cell ^ (cell >> 1)) >> frame.bit) & 1) != 0;
+  return bit != frame.inverted ? 1.0 : 0.0;
+}
+
+double lattice_coordinate(ProjectorLayout layout, Axis axis, int row, int column) {
+  if (axis == Axis::kRow) return row;
+  const bool shifted = layout == ProjectorLayout::kDiamond && row % 2 != 0;
+  return column + (shifted ? 0.5 : 0.0);
+}
+
+}  // namespace beltpick

@@ -1,0 +1,32 @@
+// The named pattern sequences: which frames are projected for `fast`, `standard` and `robust`.
+#pragma once
+
+#include <cstdint>
+
+#include "base/result.hpp"
+#include "contract/capture.hpp"
+
+namespace beltpick {
+
+enum class SequenceName : std::uint8_t { kFast, kStandard, kRobust };
+enum class SequenceAxes : std::uint8_t { kColumn, kRow, kBoth };
+
+// The frames of a named sequence for a projector of any size, files 000.png, 001.png, ... in projection order. Every axis
+// has an N-step phase, then Gray code in cells of half its period (the complementary code). The period is as short as the
+// number of Gray frames allows, but not so short that defocus takes the contrast:
+//   fast      5 steps, 7 Gray frames; thresholds are the phase frames' mean
+//   standard  8 steps, 8 Gray frames; likewise
+//   robust   12 steps, 8 Gray frames, each followed by its inverted twin; white and black before all
+// A smaller projector needs fewer Gray frames. What sets a threshold comes before what needs it, so that a decoder can
+// fold the frames as they arrive. Error: kValueOutOfRange where the projector has less than two periods.
+Result<Sequence> make_sequence(SequenceName name, const ProjectorGrid& projector, SequenceAxes axes);
+
+// The projected intensity of a frame where the coordinate along its axis is x, in 0..1 (a = b = 0.5). x is the pixel
+// index; on a diamond lattice see lattice_coordinate.
+double pattern_intensity(const FrameSpec& frame, double x);
+
+// The coordinate along `axis` of a projector's pixel: its index, but on a diamond lattice the odd rows stand half a pixel
+// further along the columns.
+double lattice_coordinate(ProjectorLayout layout, Axis axis, int row, int column);
+
+}  // namespace beltpick

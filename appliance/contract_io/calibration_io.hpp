@@ -1,0 +1,25 @@
+// calibration.json and cell.json.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+#include "base/result.hpp"
+#include "contract/calibration.hpp"
+#include "contract_io/warnings.hpp"
+
+namespace beltpick::contract_io {
+
+// Reads and judges: focal lengths and sizes positive, rotations orthonormal within 1e-3 with determinant +1. `name`
+// stands in messages. Errors: kFormatInvalid, kMemberMissing, kValueOutOfRange, kVersionUnsupported; from a file also
+// kFileNotFound, kFileUnreadable.
+Result<Calibration> parse_calibration(std::string_view text, const std::string& name, Warnings& warnings);
+Result<Calibration> read_calibration(const std::filesystem::path& path, Warnings& warnings);
+Result<void> write_calibration(const std::filesystem::path& path, const Calibration& calibration);
+
+Result<Cell> parse_cell(std::string_view text, const std::string& name, Warnings& warnings);
+Result<Cell> read_cell(const std::filesystem::path& path, Warnings& warnings);
+Result<void> write_cell(const std::filesystem::path& path, const Cell& cell);
+
+}  // namespace beltpick::contract_io
