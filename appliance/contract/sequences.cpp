@@ -19,9 +19,12 @@ struct Recipe {
 
 constexpr Recipe recipe_of(SequenceName name) {
   switch (name) {
-    case SequenceName::kFast: return {5, 7, false};
-    case SequenceName::kStandard: return {8, 8, false};
-    case SequenceName::kRobust: return {12, 8, true};
+    case SequenceName::kFast:
+      return {5, 7, false};
+    case SequenceName::kStandard:
+      return {8, 8, false};
+    case SequenceName::kRobust:
+      return {12, 8, true};
   }
   return {};
 }
@@ -74,7 +77,7 @@ void append_plain(FrameKind kind, Sequence& sequence) {
 
 void name_files(Sequence& sequence) {
   for (std::size_t i = 0; i < sequence.frames.size(); ++i) {
-    char name[16];
+    char name[32];
     std::snprintf(name, sizeof name, "%03zu.png", i);
     sequence.frames[i].file = name;
   }
@@ -108,11 +111,15 @@ Result<Sequence> make_sequence(SequenceName name, const ProjectorGrid& projector
 
 double pattern_intensity(const FrameSpec& frame, double x) {
   switch (frame.kind) {
-    case FrameKind::kWhite: return 1.0;
-    case FrameKind::kBlack: return 0.0;
+    case FrameKind::kWhite:
+      return 1.0;
+    case FrameKind::kBlack:
+      return 0.0;
     case FrameKind::kPhase:
-      return 0.5 + 0.5 * std::cos(2 * kPi * x / frame.period_px + frame.offset_rad + 2 * kPi * frame.step / frame.steps);
-    case FrameKind::kGray: break;
+      return 0.5 +
+             0.5 * std::cos(2 * kPi * x / frame.period_px + frame.offset_rad + 2 * kPi * frame.step / frame.steps);
+    case FrameKind::kGray:
+      break;
   }
   const auto cell = static_cast<std::int64_t>(std::floor((x + 0.5) / frame.cell_px));
   const bool bit = (((cell ^ (cell >> 1)) >> frame.bit) & 1) != 0;

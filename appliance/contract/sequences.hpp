@@ -11,9 +11,9 @@ namespace beltpick {
 enum class SequenceName : std::uint8_t { kFast, kStandard, kRobust };
 enum class SequenceAxes : std::uint8_t { kColumn, kRow, kBoth };
 
-// The frames of a named sequence for a projector of any size, files 000.png, 001.png, ... in projection order. Every axis
-// has an N-step phase, then Gray code in cells of half its period (the complementary code). The period is as short as the
-// number of Gray frames allows, but not so short that defocus takes the contrast:
+// The frames of a named sequence for a projector of any size, files 000.png, 001.png, ... in projection order. Every
+// axis has an N-step phase, then Gray code in cells of half its period (the complementary code). The period is as short
+// as the number of Gray frames allows, but not so short that defocus takes the contrast:
 //   fast      5 steps, 7 Gray frames; thresholds are the phase frames' mean
 //   standard  8 steps, 8 Gray frames; likewise
 //   robust   12 steps, 8 Gray frames, each followed by its inverted twin; white and black before all
@@ -25,8 +25,8 @@ Result<Sequence> make_sequence(SequenceName name, const ProjectorGrid& projector
 // index; on a diamond lattice see lattice_coordinate.
 double pattern_intensity(const FrameSpec& frame, double x);
 
-// The coordinate along `axis` of a projector's pixel: its index, but on a diamond lattice the odd rows stand half a pixel
-// further along the columns.
+// The coordinate along `axis` of a projector's pixel: its index, but on a diamond lattice the odd rows stand half a
+// pixel further along the columns.
 double lattice_coordinate(ProjectorLayout layout, Axis axis, int row, int column);
 
 }  // namespace beltpick

@@ -18,8 +18,8 @@ class CaptureSource;  // a folder or a zip
 // Reads a capture frame by frame, so that it can be folded without holding all its images.
 class CaptureReader {
  public:
-  // `path`: a folder, a .zip (the capture at its root or in its one folder), or the capture.json itself. Reads the header
-  // and the first frame, and sees that every frame's file is there. Errors: kFileNotFound, kFileUnreadable,
+  // `path`: a folder, a .zip (the capture at its root or in its one folder), or the capture.json itself. Reads the
+  // header and the first frame, and sees that every frame's file is there. Errors: kFileNotFound, kFileUnreadable,
   // kFormatInvalid, kMemberMissing, kValueOutOfRange, kVersionUnsupported, kFrameMissing.
   static Result<CaptureReader> open(const std::filesystem::path& path, Warnings& warnings);
 

@@ -23,7 +23,8 @@ struct Cloud {
 };
 
 // Reads height x width x 3 float32 in mm. A point with a NaN, an infinity or z <= 0 becomes "not measured"; warns where
-// points lie behind the camera or the unit looks like metres. Errors as read_npy; kTooFewPoints where nothing is measured.
+// points lie behind the camera or the unit looks like metres. Errors as read_npy; kTooFewPoints where nothing is
+// measured.
 Result<Cloud> read_cloud(const std::filesystem::path& path, Warnings& warnings);
 Result<Cloud> decode_cloud(std::string_view bytes, const std::string& name, Warnings& warnings);
 

@@ -47,7 +47,7 @@ Result<std::string> read_file(const std::filesystem::path& path, std::size_t max
   const std::string name = one_line(path.string());
   const File file(std::fopen(path.c_str(), "rb"));
   if (!file) return not_opened(name, errno);
-  struct stat status{};
+  struct stat status {};
   if (fstat(fileno(file.get()), &status) != 0) return not_opened(name, errno);
   if (S_ISDIR(status.st_mode)) {
     return failure(ResultCode::kFileUnreadable, "%s: expected a file, found a folder; name the file in it",
@@ -92,7 +92,8 @@ Result<void> make_folder(const std::filesystem::path& path) {
   std::error_code error;
   std::filesystem::create_directories(path, error);
   if (!error && std::filesystem::is_directory(path, error)) return {};
-  return failure(ResultCode::kFileNotWritten, "%s: expected to make this folder, found: %s; check the path and its permissions",
+  return failure(ResultCode::kFileNotWritten,
+                 "%s: expected to make this folder, found: %s; check the path and its permissions",
                  one_line(path.string()).c_str(), error ? error.message().c_str() : "a file of that name");
 }
 

@@ -17,8 +17,8 @@ namespace beltpick::contract_io {
 struct GreyImage {
   int rows = 0;
   int cols = 0;
-  int bits = 8;                 // 8 or 16
-  bool from_colour = false;     // reduced from colour: worth a warning
+  int bits = 8;              // 8 or 16
+  bool from_colour = false;  // reduced from colour: worth a warning
   std::vector<std::uint8_t> pixels8;
   std::vector<std::uint16_t> pixels16;
 

@@ -1,7 +1,7 @@
 // Strict reading of a JSON file: every error names the file, the member, what was expected and what was found.
 //
-// A reader keeps the first error and then answers with harmless values, so that a parser reads straight through and asks
-// once at the end:
+// A reader keeps the first error and then answers with harmless values, so that a parser reads straight through and
+// asks once at the end:
 //
 //   JsonDocument document(text, "capture.json", warnings);
 //   JsonObject root = document.root("beltpick-capture", 1);
@@ -10,9 +10,9 @@
 //   if (document.failed()) return document.error();
 #pragma once
 
-#include <nlohmann/json.hpp>
 #include <initializer_list>
 #include <limits>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -73,7 +73,8 @@ class JsonObject {
   bool flag(std::string_view member, std::optional<bool> fallback = {});
   std::string text(std::string_view member, std::optional<std::string> fallback = {});
   // The position of the member's text among `choices`.
-  int choice(std::string_view member, std::initializer_list<std::string_view> choices, std::optional<int> fallback = {});
+  int choice(std::string_view member, std::initializer_list<std::string_view> choices,
+             std::optional<int> fallback = {});
 
   // Numbers, row after row: rows x columns nested arrays, or one array of `columns` where rows is 0.
   std::vector<double> numbers(std::string_view member, int rows, int columns);

@@ -5,9 +5,7 @@ namespace {
 
 constexpr std::size_t kLine = 150;  // characters that still fit on one line
 
-std::string flat(const Json& value) {
-  return value.dump(-1, ' ', false, Json::error_handler_t::replace);
-}
+std::string flat(const Json& value) { return value.dump(-1, ' ', false, Json::error_handler_t::replace); }
 
 void write(const Json& value, std::size_t indent, std::string& out) {
   const std::string line = value.is_structured() ? flat(value) : std::string();

@@ -1,7 +1,7 @@
 // Strict reading of a TOML configuration: unknown keys warn, wrong types and values are named with their line.
 //
-// Values are asked for by dotted key, with their default; an element of an array of tables as "grasp[0].name". The first
-// error is kept and told by finish(), so that a configuration is read straight through.
+// Values are asked for by dotted key, with their default; an element of an array of tables as "grasp[0].name". The
+// first error is kept and told by finish(), so that a configuration is read straight through.
 #pragma once
 
 #include <cstdint>
