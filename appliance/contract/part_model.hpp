@@ -1,0 +1,71 @@
+// PartModel: a template as the pose stages use it: fixed size, its closest-point index built, nothing to allocate.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <span>
+
+#include "base/closest_point_grid.hpp"
+#include "base/closest_point_tree.hpp"
+#include "base/pose.hpp"
+#include "base/stages.hpp"
+
+namespace beltpick {
+
+// The part as it is seen from one direction.
+struct PartView {
+  Vec3f direction = -Vec3f::UnitZ();   // of the line of sight, part frame, away from the camera
+  Vec3f centroid_mm = Vec3f::Zero();   // of the surface seen, part frame
+  float seen_area = 0.0F;              // across the line of sight, mm^2
+};
+
+// A grasp without its name.
+struct GraspPose {
+  Pose<frame::Part, frame::Gripper> T_part_gripper;
+  double opening_mm = 0.0;
+};
+
+struct PartModel {
+  static constexpr int kMaxPrimitives = 16;
+  static constexpr int kMaxSymmetries = 128;
+  static constexpr int kMaxGrasps = 32;
+  static constexpr int kViews = 162;  // a twice divided icosahedron: 15 to 18 degrees from view to view
+
+  std::span<const OrientedPoint> surface;      // part frame, outward normals
+  std::span<const std::uint16_t> scattered;    // some of their indices, spread at random over the surface
+  float spacing_mm = 1.0F;
+  Vec3 centre_mm = Vec3::Zero();               // of the bounding box
+  Vec3 box_min_mm = Vec3::Zero();
+  Vec3 box_max_mm = Vec3::Zero();
+  double diagonal_mm = 1.0;                    // of the bounding box
+
+  ClosestPointGrid grid;
+  const ClosestPointTree* tree = nullptr;      // asked instead of the grid where set
+
+  std::array<PartView, kViews> views{};
+  std::array<Primitive, kMaxPrimitives> primitives{};
+  int primitive_count = 0;
+
+  // The turns that leave the surface unchanged: see Symmetry in part_template.hpp. The identity is not among them.
+  std::array<Pose<frame::Part, frame::Part>, kMaxSymmetries> symmetries{};
+  int symmetry_count = 0;
+  bool revolution = false;
+  bool sphere = false;                         // any turn about axis_point_mm
+  Vec3 axis_point_mm = Vec3::Zero();
+  Vec3 axis_direction = Vec3::UnitZ();
+
+  std::array<GraspPose, kMaxGrasps> grasps{};
+  int grasp_count = 0;
+
+  // The surface point nearest to a place in the part frame.
+  [[nodiscard]] const OrientedPoint& nearest(const Vec3f& at_part_mm) const {
+    return surface[tree == nullptr ? grid.nearest(at_part_mm) : tree->nearest(at_part_mm)];
+  }
+  [[nodiscard]] bool symmetric() const { return revolution || sphere || symmetry_count > 0; }
+  [[nodiscard]] std::span<const Primitive> taught() const {
+    return {primitives.data(), static_cast<std::size_t>(primitive_count)};
+  }
+};
+
+}  // namespace beltpick

@@ -1,0 +1,98 @@
+#include "search/from_primitive.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/units.hpp"
+#include "search/views.hpp"
+
+namespace beltpick::search {
+namespace {
+
+// 15 degrees: the paper's 36 lands in wrong basins of ICP.
+constexpr int kTurns = 24;
+// A shift of half a step must lie within the basin of ICP.
+constexpr double kShiftStepShare = 0.035;  // of the part's diagonal
+constexpr int kPlaneShifts = 2;            // to either side, in steps
+constexpr double kPlaneStepShare = 0.06;
+
+double turn_rad(int turn) { return 2.0 * kPi * turn / kTurns; }
+
+// The pose that turns the part by `rotation` and brings its point `of_part` to `to_camera`.
+PartPose placed(const Mat3& rotation, const Vec3& of_part, const Vec3& to_camera) {
+  return {rotation, to_camera - rotation * of_part};
+}
+
+int search_cylinder(const SearchInput& input, const Primitive& taught, const Primitive& found, HypothesisPool& pool) {
+  const double step = kShiftStepShare * input.model.diagonal_mm;
+  // What is seen lies on the taught length, give or take a quarter of both for ends measured badly.
+  const double reach = 0.5 * std::abs(taught.extent_mm - found.extent_mm) + 0.25 * (taught.extent_mm + found.extent_mm);
+  const int shifts = std::max(1, static_cast<int>(std::ceil(reach / step)));
+  for (const double flip : {1.0, -1.0}) {
+    for (int turn = 0; turn < kTurns; ++turn) {
+      const Mat3 rotation = rotation_onto(flip * taught.direction, found.direction, turn_rad(turn));
+      for (int shift = -shifts; shift <= shifts; ++shift) {
+        consider(input, placed(rotation, taught.point_mm, found.point_mm + shift * step * found.direction), pool);
+      }
+    }
+  }
+  return 2 * kTurns * (2 * shifts + 1);
+}
+
+int search_plane(const SearchInput& input, const Primitive& taught, const Primitive& found, HypothesisPool& pool) {
+  const double step = kPlaneStepShare * input.model.diagonal_mm;
+  const Vec3 u = found.direction.unitOrthogonal();
+  const Vec3 v = found.direction.cross(u);
+  for (int turn = 0; turn < kTurns; ++turn) {
+    const Mat3 rotation = rotation_onto(taught.direction, found.direction, turn_rad(turn));
+    for (int i = -kPlaneShifts; i <= kPlaneShifts; ++i) {
+      for (int j = -kPlaneShifts; j <= kPlaneShifts; ++j) {
+        consider(input, placed(rotation, taught.point_mm, found.point_mm + step * (i * u + j * v)), pool);
+      }
+    }
+  }
+  return kTurns * (2 * kPlaneShifts + 1) * (2 * kPlaneShifts + 1);
+}
+
+int search_sphere(const SearchInput& input, const Primitive& taught, const Primitive& found, HypothesisPool& pool) {
+  for (const Vec3& direction : view_directions()) {
+    for (int turn = 0; turn < kTurns; ++turn) {
+      const Mat3 rotation = rotation_onto(direction, Vec3::UnitZ(), turn_rad(turn));
+      consider(input, placed(rotation, taught.point_mm, found.point_mm), pool);
+    }
+  }
+  return PartModel::kViews * kTurns;
+}
+
+}  // namespace
+
+Mat3 rotation_onto(const Vec3& from, const Vec3& to, double turn_rad) {
+  const Eigen::Quaterniond onto = Eigen::Quaterniond::FromTwoVectors(from, to);
+  return (Eigen::AngleAxisd(turn_rad, to) * onto).toRotationMatrix();
+}
+
+bool may_match(const Primitive& taught, const Primitive& found) {
+  if (taught.kind != found.kind) return false;
+  if (taught.kind == PrimitiveKind::kPlane) return true;
+  const double tolerance_mm = 0.5 + 0.05 * taught.radius_mm;
+  return taught.concave == found.concave && std::abs(taught.radius_mm - found.radius_mm) < tolerance_mm;
+}
+
+void consider(const SearchInput& input, const PartPose& T_camera_part, HypothesisPool& pool) {
+  const float bar = pool.bar_mm();
+  const float mean = mean_distance_mm(input.sample, input.model, T_camera_part, input.cap_mm, bar);
+  if (mean < bar) pool.offer({T_camera_part, mean});
+}
+
+int search_from_primitive(const SearchInput& input, const Primitive& taught, const Primitive& found,
+                          HypothesisPool& pool) {
+  if (!may_match(taught, found)) return 0;
+  switch (taught.kind) {
+    case PrimitiveKind::kCylinder: return search_cylinder(input, taught, found, pool);
+    case PrimitiveKind::kPlane: return search_plane(input, taught, found, pool);
+    case PrimitiveKind::kSphere: return search_sphere(input, taught, found, pool);
+  }
+  return 0;
+}
+
+}  // namespace beltpick::search
