@@ -1,0 +1,88 @@
+#include "icp/align.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/Cholesky>
+
+#include "icp/normal_equations.hpp"
+
+namespace beltpick::icp {
+namespace {
+
+constexpr int kLeastInliers = 12;
+// Freedoms that the sample determines less than this (against the best determined one) are left alone.
+constexpr double kLeastInformation = 1e-5;
+
+// Divides rotations by the part's radius so that all six unknowns are lengths and can be compared.
+Vec6 length_scale(const PartModel& model) {
+  Vec6 scale = Vec6::Ones();
+  scale.head<3>().setConstant(2.0 / model.diagonal_mm);
+  return scale;
+}
+
+// The step that minimises the linearised residuals, with nothing along freedoms that are not determined.
+Vec6 solve(const NormalEquations& system, const Vec6& scale) {
+  const Mat6 scaled = scale.asDiagonal() * system.information * scale.asDiagonal();
+  const double damping = kLeastInformation * scaled.diagonal().maxCoeff();
+  const Mat6 damped = scaled + damping * Mat6::Identity();
+  return scale.cwiseProduct(damped.ldlt().solve(-scale.cwiseProduct(system.gradient)));
+}
+
+// The pose after the measured points have moved by `step` in the part frame.
+PartPose moved(const PartPose& T_camera_part, const Vec6& step, const Vec3& centre) {
+  const Vec3 turn = step.head<3>();
+  const double angle = turn.norm();
+  const Mat3 rotation =
+      angle < 1e-15 ? Mat3(Mat3::Identity()) : Mat3(Eigen::AngleAxisd(angle, turn / angle).toRotationMatrix());
+  const Vec3 shift = step.tail<3>();
+  const Pose<frame::Part, frame::Part> motion{rotation, centre + shift - rotation * centre};
+  PartPose next = T_camera_part * motion.inverse();
+  // Products of many rotations drift from being one.
+  next.rotation = Eigen::Quaterniond(next.rotation).normalized().toRotationMatrix();
+  return next;
+}
+
+// Variance a freedom has that the sample does not determine, mm^2: "anywhere on the part".
+Mat6 covariance(const NormalEquations& system, const PartModel& model, const PartPose& T_camera_part, double sigma_mm) {
+  const Vec6 scale = length_scale(model);
+  const Mat6 scaled = scale.asDiagonal() * system.information * scale.asDiagonal();
+  const double unknown_mm2 = model.diagonal_mm * model.diagonal_mm;
+  const Mat6 prior = Mat6::Identity() * (sigma_mm * sigma_mm / unknown_mm2);
+  const Mat6 inverse = (scaled + prior).ldlt().solve(Mat6::Identity()) * (sigma_mm * sigma_mm);
+  const Mat6 in_part = scale.asDiagonal() * inverse * scale.asDiagonal();
+  Mat6 to_camera = Mat6::Zero();
+  to_camera.topLeftCorner<3, 3>() = T_camera_part.rotation;
+  to_camera.bottomRightCorner<3, 3>() = T_camera_part.rotation;
+  const Mat6 in_camera = to_camera * in_part * to_camera.transpose();
+  return 0.5 * (in_camera + in_camera.transpose());
+}
+
+}  // namespace
+
+Alignment align(std::span<const OrientedPoint> sample, const PartModel& model, const PartPose& initial,
+                std::span<const Stage> stages, const Noise& noise) {
+  Alignment result;
+  result.T_camera_part = initial;
+  const Vec6 scale = length_scale(model);
+  NormalEquations system;
+  for (const Stage& stage : stages) {
+    for (int i = 0; i < stage.iterations; ++i) {
+      system = linearise(sample, model, result.T_camera_part, stage);
+      ++result.iterations;
+      if (system.inliers < kLeastInliers) return result;
+      const Vec6 step = solve(system, scale);
+      result.T_camera_part = moved(result.T_camera_part, step, model.centre_mm);
+      const double moved_mm = step.cwiseQuotient(scale).norm();
+      if (moved_mm < 1e-4 * stage.radius_mm) break;
+    }
+  }
+  system = linearise(sample, model, result.T_camera_part, stages.back());
+  if (system.inliers < kLeastInliers) return result;
+  result.rms_mm = std::sqrt(system.weighted_square / system.weight);
+  result.inlier_share = static_cast<double>(system.inliers) / static_cast<double>(sample.size());
+  result.covariance = covariance(system, model, result.T_camera_part, std::max(noise.sigma_mm, result.rms_mm));
+  return result;
+}
+
+}  // namespace beltpick::icp
