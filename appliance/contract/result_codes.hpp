@@ -58,6 +58,7 @@ enum class ResultCode : std::uint16_t {
   kModelChanged = 122,
   kCaptureTimeout = 123,
   kInternal = 124,
+  kProcessingTimeout = 125,
   // Why an object was withheld.
   kObjectTooSmall = 150,
   kNoHypothesis = 151,
@@ -160,6 +161,8 @@ inline constexpr auto kResultCodes = std::to_array<ResultCodeEntry>({
      "start a new cycle"},
     {ResultCode::kCaptureTimeout, "CAPTURE_TIMEOUT", "the capture did not end in time", "check trigger and camera"},
     {ResultCode::kInternal, "INTERNAL", "a fault in beltpick itself", "send the log to the maintainer"},
+    {ResultCode::kProcessingTimeout, "PROCESSING_TIMEOUT", "locating the parts took longer than processing_timeout_ms",
+     "fewer parts or templates at once, or raise the time"},
     {ResultCode::kObjectTooSmall, "OBJECT_TOO_SMALL", "the object has too few points to judge",
      "dirt, or a part mostly hidden"},
     {ResultCode::kNoHypothesis, "NO_HYPOTHESIS", "no template fits the object even roughly",

@@ -1,0 +1,60 @@
+#include <catch2/catch.hpp>
+
+#include <vector>
+
+#include "cycle/pick_plan.hpp"
+
+using namespace beltpick;
+using namespace beltpick::cycle;
+
+namespace {
+std::vector<LocatedPart> parts(std::initializer_list<std::pair<int, bool>> grasp_and_touch) {
+  std::vector<LocatedPart> made;
+  for (const auto& [grasp, touches] : grasp_and_touch) {
+    LocatedPart part;
+    part.grasp_index = grasp;
+    part.touches_neighbour = touches;
+    made.push_back(part);
+  }
+  return made;
+}
+}  // namespace
+
+TEST_CASE("parts without a grasp are never offered but counted", "[plan]") {
+  PickPlan plan;
+  const auto view = parts({{-1, false}, {0, false}, {-1, true}});
+  plan.load(view, 2);
+  CHECK(plan.next() == 1);
+  CHECK(plan.parts_left() == 1);
+  CHECK(plan.not_pickable() == 4);
+}
+
+TEST_CASE("a pick voids only touching parts, and only if it touched something itself", "[plan]") {
+  PickPlan plan;
+  const auto view = parts({{0, false}, {0, true}, {0, true}, {0, false}});
+  plan.load(view, 0);
+  plan.picked(0);
+  CHECK(plan.parts_left() == 3);
+  CHECK_FALSE(plan.capture_again());
+  plan.picked(1);
+  CHECK(plan.next() == 3);
+  CHECK(plan.capture_again());
+}
+
+TEST_CASE("a view of which nothing was picked is not captured again", "[plan]") {
+  PickPlan plan;
+  const auto view = parts({{0, true}, {0, true}});
+  plan.load(view, 3);
+  plan.skipped(0);
+  plan.skipped(1);
+  CHECK(plan.next() == -1);
+  CHECK_FALSE(plan.capture_again());
+}
+
+TEST_CASE("more parts than the plan holds count as withheld", "[plan]") {
+  PickPlan plan;
+  const std::vector<LocatedPart> view(PickPlan::kMaxParts + 5, parts({{0, false}}).front());
+  plan.load(view, 1);
+  CHECK(plan.parts_left() == PickPlan::kMaxParts);
+  CHECK(plan.not_pickable() == 6);
+}
