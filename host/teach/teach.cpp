@@ -1,0 +1,147 @@
+#include "teach/teach.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdarg>
+#include <cstdio>
+
+#include "base/units.hpp"
+#include "contract/result_codes.hpp"
+#include "primitives/msac.hpp"
+#include "teach/default_grasps.hpp"
+
+namespace beltpick::teach {
+
+namespace {
+
+constexpr int kPrimitivePoints = 12000;
+constexpr int kMaxPrimitives = 10;
+// Below this size a part is likely in metres, above in micrometres, or in inches.
+constexpr double kDiagonalMin_mm = 4.0;
+constexpr double kDiagonalMax_mm = 2000.0;
+
+[[gnu::format(printf, 1, 2)]] std::string text(const char* format, ...) {
+  std::array<char, 300> line{};
+  std::va_list arguments;
+  va_start(arguments, format);
+  std::vsnprintf(line.data(), line.size(), format, arguments);
+  va_end(arguments);
+  return line.data();
+}
+
+std::vector<OrientedPoint> oriented(const Surface& surface) {
+  std::vector<OrientedPoint> points;
+  const std::size_t step = std::max<std::size_t>(1, surface.point_mm.size() / kPrimitivePoints);
+  // Darts fall at random, so every n-th is an even sample too.
+  for (std::size_t i = 0; i < surface.point_mm.size() && points.size() < kPrimitivePoints; i += step) {
+    points.push_back({surface.point_mm[i], surface.normal[i]});
+  }
+  return points;
+}
+
+// A cylinder leaves two freedoms, a plane and a sphere three; what is large is seen more often.
+double usefulness(const Primitive& primitive) {
+  const double certainty = primitive.kind == PrimitiveKind::kCylinder ? 2.0 : 1.0;
+  return certainty * primitive.inlier_share;
+}
+
+void take_box(PartTemplate& part) {
+  Vec3f low = part.point_mm.front();
+  Vec3f high = low;
+  for (const Vec3f& point : part.point_mm) {
+    low = low.cwiseMin(point);
+    high = high.cwiseMax(point);
+  }
+  part.box_min_mm = low.cast<double>();
+  part.box_max_mm = high.cast<double>();
+}
+
+void warn_of_size(const PartTemplate& part, std::vector<std::string>& warnings) {
+  const Vec3 size = part.box_max_mm - part.box_min_mm;
+  if (size.norm() >= kDiagonalMin_mm && size.norm() <= kDiagonalMax_mm) return;
+  warnings.push_back(text("the part measures %.3g x %.3g x %.3g mm: check --units", size.x(), size.y(), size.z()));
+}
+
+void warn_of_mesh(const MeshRepair& repair, std::vector<std::string>& warnings) {
+  if (repair.open_edges > 0) {
+    warnings.push_back(text("the mesh is open at %zu edges: surfaces without thickness are seen from one side only", repair.open_edges));
+  }
+  if (repair.flipped_faces > 0) warnings.push_back(text("%zu faces looked inward and were turned", repair.flipped_faces));
+  if (repair.duplicate_faces > 0) warnings.push_back(text("%zu duplicate faces were removed", repair.duplicate_faces));
+}
+
+void warn_of_ambiguity(const Taught& taught, std::vector<std::string>& warnings) {
+  if (taught.part.symmetry.name != "none") {
+    warnings.push_back(text("the part has symmetry %s: its poses are known up to that, and reported as ambiguous",
+                            taught.part.symmetry.name.c_str()));
+  }
+  if (taught.nearest_turn) {
+    warnings.push_back(text("a turn of %.0f degrees changes only %.1f %% of the surface: where that is not seen, the part is withheld",
+                            deg_from_rad(taught.nearest_turn->angle_rad), 100 * taught.nearest_turn->differing_share));
+  }
+}
+
+}  // namespace
+
+std::vector<Primitive> find_primitives(const Surface& surface, std::uint64_t seed) {
+  const std::vector<OrientedPoint> points = oriented(surface);
+  Vec3f low = points.front().point_mm;
+  Vec3f high = low;
+  for (const OrientedPoint& point : points) {
+    low = low.cwiseMin(point.point_mm);
+    high = high.cwiseMax(point.point_mm);
+  }
+  std::array<primitives::PrimitiveQuery, 3> queries;
+  constexpr std::array kKinds{PrimitiveKind::kCylinder, PrimitiveKind::kPlane, PrimitiveKind::kSphere};
+  for (std::size_t k = 0; k < queries.size(); ++k) {
+    queries[k].kind = kKinds[k];
+    // A mesh's facets lie off the true surface by their sag; the sample itself is exact.
+    queries[k].sigma_mm = 0.05;
+    queries[k].normal_angle_max_rad = rad_from_deg(15);
+    queries[k].min_share = 0.02;
+    queries[k].radius_min_mm = 1.5;
+    queries[k].radius_max_mm = 0.5 * static_cast<double>((high - low).norm());
+    queries[k].min_arc_rad = rad_from_deg(60);
+  }
+  Arena measuring;
+  primitives::Finder(measuring, kPrimitivePoints);
+  ArenaBlock block(measuring.used_bytes());
+  Arena arena(block.data(), block.bytes());
+  primitives::Finder finder(arena, kPrimitivePoints);
+  std::array<Primitive, kMaxPrimitives> found;
+  Random random(seed);
+  const int count = finder.find_sequence(points, queries, found, random);
+  std::vector<Primitive> ranked(found.begin(), found.begin() + count);
+  std::stable_sort(ranked.begin(), ranked.end(), [](const Primitive& a, const Primitive& b) { return usefulness(a) > usefulness(b); });
+  return ranked;
+}
+
+Result<Taught> teach(Mesh mesh, std::vector<Grasp> grasps, const TeachOptions& options) {
+  Taught taught;
+  const bool scan = mesh.face.empty();
+  if (!scan) taught.repair = repair(mesh);
+  auto surface = scan ? sample_scan(mesh, options.points, options.seed) : sample_mesh(mesh, options.points, options.seed);
+  if (!surface) return std::unexpected(surface.error());
+  taught.surface = std::move(*surface);
+  PartTemplate& part = taught.part;
+  part.point_mm = taught.surface.point_mm;
+  part.normal = taught.surface.normal;
+  part.spacing_mm = taught.surface.spacing_mm;
+  take_box(part);
+  part.primitives = find_primitives(taught.surface, options.seed);
+  const double tolerance_mm = std::max(0.15, 0.2 * part.spacing_mm);
+  SymmetryReport symmetry = find_symmetry(taught.surface, part.primitives, tolerance_mm);
+  part.symmetry = std::move(symmetry.symmetry);
+  taught.nearest_turn = symmetry.nearest_turn;
+  part.grasps = grasps.empty() ? default_grasps(taught.surface, part.primitives, options.opening_max_mm) : std::move(grasps);
+  warn_of_size(part, taught.warnings);
+  if (!scan) warn_of_mesh(taught.repair, taught.warnings);
+  warn_of_ambiguity(taught, taught.warnings);
+  if (part.grasps.empty()) {
+    taught.warnings.push_back(text("no place narrower than %.0f mm to grip was found: give --grasps", options.opening_max_mm));
+  }
+  return taught;
+}
+
+}  // namespace beltpick::teach

@@ -1,0 +1,37 @@
+// From a mesh or a scan to a part template, with no parameter that a user must know.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/result.hpp"
+#include "contract/mesh.hpp"
+#include "contract/part_template.hpp"
+#include "teach/surface.hpp"
+#include "teach/symmetry.hpp"
+
+namespace beltpick::teach {
+
+struct TeachOptions {
+  std::size_t points = 36600;      // of the template, as the paper's
+  double opening_max_mm = 110.0;   // of default grasps
+  std::uint64_t seed = 1;
+};
+
+struct Taught {
+  PartTemplate part;
+  Surface surface;
+  MeshRepair repair;
+  std::optional<SymmetryReport::NearTurn> nearest_turn;
+  std::vector<std::string> warnings;  // one line each: what, and what to do
+};
+
+// `mesh` in mm, part frame = the file's own coordinates. Grasps may be empty: then default ones are made. Errors:
+// kMeshInvalid.
+Result<Taught> teach(Mesh mesh, std::vector<Grasp> grasps, const TeachOptions& options);
+
+// The planes, cylinders and spheres of a surface, those first that a search gains most by.
+std::vector<Primitive> find_primitives(const Surface& surface, std::uint64_t seed);
+
+}  // namespace beltpick::teach
