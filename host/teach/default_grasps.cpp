@@ -33,7 +33,8 @@ void add_grasp(const Surface& surface, const Vec3& centre, const Vec3& approach,
   Reach along;
   for (const Vec3f& p : surface.point_mm) {
     const Vec3 arm = p.cast<double>() - centre;
-    if (std::abs(arm.dot(across)) < kJawHalfWidth_mm && std::abs(arm.dot(closing)) < kJawHalfWidth_mm) along.add(arm.dot(approach));
+    if (std::abs(arm.dot(across)) < kJawHalfWidth_mm && std::abs(arm.dot(closing)) < kJawHalfWidth_mm)
+      along.add(arm.dot(approach));
   }
   if (along.empty()) return;
   const double depth_mm = std::min(along.low + kFingerDepth_mm, 0.5 * (along.low + along.high));
@@ -44,12 +45,14 @@ void add_grasp(const Surface& surface, const Vec3& centre, const Vec3& approach,
   }
   if (between.empty()) return;
   const Vec3 position_mm = centre + depth_mm * approach + 0.5 * (between.low + between.high) * closing;
-  grasps.push_back({name, contract_io::gripper_pose(position_mm, approach, closing), between.high - between.low + 2 * kClearance_mm});
+  grasps.push_back({name, contract_io::gripper_pose(position_mm, approach, closing),
+                    between.high - between.low + 2 * kClearance_mm});
 }
 
 }  // namespace
 
-std::vector<Grasp> default_grasps(const Surface& surface, const std::vector<Primitive>& primitives, double opening_max_mm) {
+std::vector<Grasp> default_grasps(const Surface& surface, const std::vector<Primitive>& primitives,
+                                  double opening_max_mm) {
   std::vector<Grasp> grasps;
   Vec3 centroid = Vec3::Zero();
   for (const Vec3f& p : surface.point_mm) centroid += p.cast<double>() / static_cast<double>(surface.point_mm.size());
@@ -69,7 +72,8 @@ std::vector<Grasp> default_grasps(const Surface& surface, const std::vector<Prim
     }
   }
   std::erase_if(grasps, [&](const Grasp& grasp) { return grasp.opening_mm > opening_max_mm; });
-  std::stable_sort(grasps.begin(), grasps.end(), [](const Grasp& a, const Grasp& b) { return a.opening_mm < b.opening_mm; });
+  std::stable_sort(grasps.begin(), grasps.end(),
+                   [](const Grasp& a, const Grasp& b) { return a.opening_mm < b.opening_mm; });
   if (grasps.size() > kMaxGrasps) grasps.resize(kMaxGrasps);
   return grasps;
 }

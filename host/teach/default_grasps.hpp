@@ -10,6 +10,7 @@ namespace beltpick::teach {
 
 // Grasps at the middle of the part and of its bosses, from the six directions of its box and from eight around each
 // boss, narrowest opening first. None wider than `opening_max_mm`.
-std::vector<Grasp> default_grasps(const Surface& surface, const std::vector<Primitive>& primitives, double opening_max_mm);
+std::vector<Grasp> default_grasps(const Surface& surface, const std::vector<Primitive>& primitives,
+                                  double opening_max_mm);
 
 }  // namespace beltpick::teach

@@ -10,7 +10,8 @@ namespace beltpick::teach {
 
 struct NeighbourIndex::Tree {
   explicit Tree(const std::vector<Vec3f>& points)
-      : matrix(const_cast<float*>(points.front().data()), points.size(), 3),  // FLANN takes no const, and writes nothing
+      : matrix(const_cast<float*>(points.front().data()), points.size(),
+               3),  // FLANN takes no const, and writes nothing
         index(matrix, flann::KDTreeSingleIndexParams(10)) {
     index.buildIndex();
   }

@@ -20,7 +20,8 @@ struct PlaceHash {
   }
 };
 
-// Modellers split vertices at sharp edges and texture seams; neighbours are found only when equal places are one vertex.
+// Modellers split vertices at sharp edges and texture seams; neighbours are found only when equal places are one
+// vertex.
 void weld(Mesh& mesh) {
   std::unordered_map<std::array<std::uint32_t, 3>, std::uint32_t, PlaceHash> first;
   std::vector<std::uint32_t> welded(mesh.vertex_mm.size());
@@ -145,7 +146,8 @@ MeshRepair repair(Mesh& mesh) {
   for (Vec3f& vertex : mesh.vertex_mm) vertex -= middle;
   const EdgeFaces edges = faces_of_edges(mesh);
   report.flipped_faces = make_orientation_consistent(mesh, edges);
-  report.open_edges = static_cast<std::size_t>(std::count_if(edges.begin(), edges.end(), [](const auto& e) { return e.second.size() == 1; }));
+  report.open_edges = static_cast<std::size_t>(
+      std::count_if(edges.begin(), edges.end(), [](const auto& e) { return e.second.size() == 1; }));
   for (Vec3f& vertex : mesh.vertex_mm) vertex += middle;
   return report;
 }

@@ -48,7 +48,8 @@ class Darts {
     const auto found = cells_.find(cell);
     if (found == cells_.end()) return false;
     return std::any_of(found->second.begin(), found->second.end(), [&](std::uint32_t i) {
-      return (surface_.point_mm[i] - point).squaredNorm() < distance_ * distance_ && surface_.normal[i].dot(normal) > 0.0F;
+      return (surface_.point_mm[i] - point).squaredNorm() < distance_ * distance_ &&
+             surface_.normal[i].dot(normal) > 0.0F;
     });
   }
 
@@ -123,7 +124,8 @@ double typical_spacing_mm(const std::vector<Vec3f>& points) {
     index.nearest(points[i], near);
     distances.push_back(std::sqrt(static_cast<double>(near[1].squared_mm2)));
   }
-  std::nth_element(distances.begin(), distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2), distances.end());
+  std::nth_element(distances.begin(), distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2),
+                   distances.end());
   return distances[distances.size() / 2];
 }
 
@@ -131,7 +133,8 @@ double typical_spacing_mm(const std::vector<Vec3f>& points) {
 
 Result<Surface> sample_mesh(const Mesh& mesh, std::size_t count, std::uint64_t seed) {
   const std::vector<double> area = cumulative_area(mesh);
-  if (area.empty() || !(area.back() > 0)) return failure(ResultCode::kMeshInvalid, "expected a surface, found no area; export the mesh again");
+  if (area.empty() || !(area.back() > 0))
+    return failure(ResultCode::kMeshInvalid, "expected a surface, found no area; export the mesh again");
   Surface surface;
   surface.area_mm2 = area.back();
   surface.spacing_mm = std::sqrt(area.back() / static_cast<double>(count));
@@ -146,13 +149,15 @@ Result<Surface> sample_mesh(const Mesh& mesh, std::size_t count, std::uint64_t s
 
 Result<Surface> sample_scan(const Mesh& scan, std::size_t count, std::uint64_t seed) {
   if (scan.vertex_mm.size() < 100) {
-    return failure(ResultCode::kMeshInvalid, "expected a scan of at least 100 points, found %zu; scan the part again", scan.vertex_mm.size());
+    return failure(ResultCode::kMeshInvalid, "expected a scan of at least 100 points, found %zu; scan the part again",
+                   scan.vertex_mm.size());
   }
   const std::vector<Vec3f> normals = scan_normals(scan);
   std::vector<std::size_t> order(scan.vertex_mm.size());
   for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
   Random random(seed);
-  for (std::size_t i = order.size() - 1; i > 0; --i) std::swap(order[i], order[random.below(static_cast<std::uint32_t>(i + 1))]);
+  for (std::size_t i = order.size() - 1; i > 0; --i)
+    std::swap(order[i], order[random.below(static_cast<std::uint32_t>(i + 1))]);
   const double raw_spacing_mm = typical_spacing_mm(scan.vertex_mm);
   // Thin ever more coarsely until the points fit.
   for (double distance_mm = raw_spacing_mm;; distance_mm *= 1.1) {

@@ -28,7 +28,8 @@ struct MeshRepair {
 MeshRepair repair(Mesh& mesh);
 
 // Spreads `count` points evenly over the faces of a repaired mesh by dart throwing: no two points with like normals lie
-// closer than about three quarters of the mean distance. Deterministic. Errors: kMeshInvalid when the surface has no area.
+// closer than about three quarters of the mean distance. Deterministic. Errors: kMeshInvalid when the surface has no
+// area.
 Result<Surface> sample_mesh(const Mesh& mesh, std::size_t count, std::uint64_t seed);
 
 // Thins a scan to at most `count` evenly spread points; normals are taken from the scan or fitted to each point's

@@ -49,6 +49,30 @@ class TurnTest {
     return static_cast<double>(off) / static_cast<double>(tried);
   }
 
+  // The turn, shifted so that the turned surface lies on the surface best: a mark on one side of a part draws the
+  // centroid away from the axis. Point to plane, translation only.
+  [[nodiscard]] Turn settled(Turn turn) const {
+    const std::size_t step = std::max<std::size_t>(1, surface_.point_mm.size() / kQuickSample);
+    for (const float reach_mm : {4.0F, 2.0F, 1.0F}) {
+      Mat3 normal_matrix = 1e-6 * Mat3::Identity();
+      Vec3 right_side = Vec3::Zero();
+      for (std::size_t i = 0; i < surface_.point_mm.size(); i += step) {
+        const Vec3f point = (turn * Vec3(surface_.point_mm[i].cast<double>())).cast<float>();
+        std::array<Neighbour, 1> near;
+        index_.nearest(point, near);
+        const Vec3f& normal = surface_.normal[near[0].index];
+        const float distance = normal.dot(surface_.point_mm[near[0].index] - point);
+        const bool alike = (turn.rotation * surface_.normal[i].cast<double>()).dot(normal.cast<double>()) > 0.7;
+        if (!alike || std::abs(distance) > reach_mm) continue;
+        const Vec3 n = normal.cast<double>();
+        normal_matrix += n * n.transpose();
+        right_side += static_cast<double>(distance) * n;
+      }
+      turn.translation_mm += normal_matrix.ldlt().solve(right_side);
+    }
+    return turn;
+  }
+
   [[nodiscard]] bool unchanged(const Turn& turn) const {
     return differing_share(turn, true) < 0.01 && differing_share(turn, false) <= kUnchangedShare;
   }
@@ -80,12 +104,14 @@ Vec3 centroid_of(const Surface& surface) {
 void add_axis(std::vector<Vec3>& axes, const Vec3& direction) {
   if (direction.norm() < 1e-6) return;
   const Vec3 unit = direction.normalized();
-  const bool known = std::any_of(axes.begin(), axes.end(), [&](const Vec3& a) { return std::abs(a.dot(unit)) > std::cos(rad_from_deg(0.2)); });
+  const bool known = std::any_of(axes.begin(), axes.end(),
+                                 [&](const Vec3& a) { return std::abs(a.dot(unit)) > std::cos(rad_from_deg(0.2)); });
   if (!known) axes.push_back(unit);
 }
 
 // The directions of the primitives come first: they are more exact than principal axes, whose ends may coincide.
-std::vector<Vec3> candidate_axes(const Surface& surface, const Vec3& centroid, const std::vector<Primitive>& primitives) {
+std::vector<Vec3> candidate_axes(const Surface& surface, const Vec3& centroid,
+                                 const std::vector<Primitive>& primitives) {
   std::vector<Vec3> axes;
   for (const Primitive& primitive : primitives) {
     if (primitive.kind != PrimitiveKind::kSphere) add_axis(axes, primitive.direction);
@@ -108,7 +134,9 @@ std::vector<Vec3> candidate_axes(const Surface& surface, const Vec3& centroid, c
   return axes;
 }
 
-bool same_turn(const Turn& a, const Turn& b) { return rotation_between_rad(a.rotation, b.rotation) < rad_from_deg(1.5); }
+bool same_turn(const Turn& a, const Turn& b) {
+  return rotation_between_rad(a.rotation, b.rotation) < rad_from_deg(1.5);
+}
 
 void add_turn(std::vector<Turn>& turns, const Turn& turn) {
   if (same_turn(turn, Turn{})) return;
@@ -145,9 +173,13 @@ bool is_revolution(const TurnTest& test, const Vec3& centroid, const Vec3& axis)
                      [&](double angle) { return test.unchanged(turn_about(centroid, axis, angle)); });
 }
 
-void note_near_turn(SymmetryReport& report, double share, double angle_rad, const Vec3& axis) {
+void note_near_turn(SymmetryReport& report, const TurnTest& test, const Turn& turn) {
+  const Turn settled = test.settled(turn);
+  if (test.differing_share(settled, true) > kNearShare) return;
+  const double share = test.differing_share(settled, false);
   if (share > kNearShare || (report.nearest_turn && report.nearest_turn->differing_share <= share)) return;
-  report.nearest_turn = {share, angle_rad, axis};
+  const Eigen::AngleAxisd angle_axis(turn.rotation);
+  report.nearest_turn = {share, angle_axis.angle(), angle_axis.axis()};
 }
 
 }  // namespace
@@ -166,8 +198,8 @@ SymmetryReport find_symmetry(const Surface& surface, const std::vector<Primitive
       const Turn turn = turn_about(centroid, axis, angle_rad);
       if (test.unchanged(turn)) {
         add_turn(symmetry.elements, turn);
-      } else if (test.differing_share(turn, true) <= kNearShare) {
-        note_near_turn(report, test.differing_share(turn, false), angle_rad, axis);
+      } else {
+        note_near_turn(report, test, turn);
       }
     }
   }
@@ -184,9 +216,7 @@ SymmetryReport find_symmetry(const Surface& surface, const std::vector<Primitive
   const Turn flip = turn_about(centroid, symmetry.axis_direction.unitOrthogonal(), kPi);
   if (test.unchanged(flip)) symmetry.elements.push_back(flip);
   report.nearest_turn.reset();
-  if (symmetry.elements.empty() && test.differing_share(flip, false) <= kNearShare) {
-    note_near_turn(report, test.differing_share(flip, false), kPi, symmetry.axis_direction.unitOrthogonal());
-  }
+  if (symmetry.elements.empty()) note_near_turn(report, test, flip);
   return report;
 }
 

@@ -20,9 +20,9 @@ struct SymmetryReport {
   std::optional<NearTurn> nearest_turn;
 };
 
-// Tries turns of order 2, 3, 4, 5, 6 and 8 and any turn about axes through the surface's centroid: the principal axes and
-// those of `primitives`, and what lies between them. A turn counts when all but 0.05 % of the surface comes to lie on
-// the surface again, within `tolerance_mm`.
+// Tries turns of order 2, 3, 4, 5, 6 and 8 and any turn about axes through the surface's centroid: the principal axes
+// and those of `primitives`, and what lies between them. A turn counts when all but 0.05 % of the surface comes to lie
+// on the surface again, within `tolerance_mm`.
 SymmetryReport find_symmetry(const Surface& surface, const std::vector<Primitive>& primitives, double tolerance_mm);
 
 }  // namespace beltpick::teach

@@ -65,9 +65,11 @@ void warn_of_size(const PartTemplate& part, std::vector<std::string>& warnings) 
 
 void warn_of_mesh(const MeshRepair& repair, std::vector<std::string>& warnings) {
   if (repair.open_edges > 0) {
-    warnings.push_back(text("the mesh is open at %zu edges: surfaces without thickness are seen from one side only", repair.open_edges));
+    warnings.push_back(text("the mesh is open at %zu edges: surfaces without thickness are seen from one side only",
+                            repair.open_edges));
   }
-  if (repair.flipped_faces > 0) warnings.push_back(text("%zu faces looked inward and were turned", repair.flipped_faces));
+  if (repair.flipped_faces > 0)
+    warnings.push_back(text("%zu faces looked inward and were turned", repair.flipped_faces));
   if (repair.duplicate_faces > 0) warnings.push_back(text("%zu duplicate faces were removed", repair.duplicate_faces));
 }
 
@@ -77,8 +79,9 @@ void warn_of_ambiguity(const Taught& taught, std::vector<std::string>& warnings)
                             taught.part.symmetry.name.c_str()));
   }
   if (taught.nearest_turn) {
-    warnings.push_back(text("a turn of %.0f degrees changes only %.1f %% of the surface: where that is not seen, the part is withheld",
-                            deg_from_rad(taught.nearest_turn->angle_rad), 100 * taught.nearest_turn->differing_share));
+    warnings.push_back(
+        text("a turn of %.0f degrees changes only %.1f %% of the surface: where that is not seen, the part is withheld",
+             deg_from_rad(taught.nearest_turn->angle_rad), 100 * taught.nearest_turn->differing_share));
   }
 }
 
@@ -113,7 +116,8 @@ std::vector<Primitive> find_primitives(const Surface& surface, std::uint64_t see
   Random random(seed);
   const int count = finder.find_sequence(points, queries, found, random);
   std::vector<Primitive> ranked(found.begin(), found.begin() + count);
-  std::stable_sort(ranked.begin(), ranked.end(), [](const Primitive& a, const Primitive& b) { return usefulness(a) > usefulness(b); });
+  std::stable_sort(ranked.begin(), ranked.end(),
+                   [](const Primitive& a, const Primitive& b) { return usefulness(a) > usefulness(b); });
   return ranked;
 }
 
@@ -121,7 +125,8 @@ Result<Taught> teach(Mesh mesh, std::vector<Grasp> grasps, const TeachOptions& o
   Taught taught;
   const bool scan = mesh.face.empty();
   if (!scan) taught.repair = repair(mesh);
-  auto surface = scan ? sample_scan(mesh, options.points, options.seed) : sample_mesh(mesh, options.points, options.seed);
+  auto surface =
+      scan ? sample_scan(mesh, options.points, options.seed) : sample_mesh(mesh, options.points, options.seed);
   if (!surface) return std::unexpected(surface.error());
   taught.surface = std::move(*surface);
   PartTemplate& part = taught.part;
@@ -134,12 +139,14 @@ Result<Taught> teach(Mesh mesh, std::vector<Grasp> grasps, const TeachOptions& o
   SymmetryReport symmetry = find_symmetry(taught.surface, part.primitives, tolerance_mm);
   part.symmetry = std::move(symmetry.symmetry);
   taught.nearest_turn = symmetry.nearest_turn;
-  part.grasps = grasps.empty() ? default_grasps(taught.surface, part.primitives, options.opening_max_mm) : std::move(grasps);
+  part.grasps =
+      grasps.empty() ? default_grasps(taught.surface, part.primitives, options.opening_max_mm) : std::move(grasps);
   warn_of_size(part, taught.warnings);
   if (!scan) warn_of_mesh(taught.repair, taught.warnings);
   warn_of_ambiguity(taught, taught.warnings);
   if (part.grasps.empty()) {
-    taught.warnings.push_back(text("no place narrower than %.0f mm to grip was found: give --grasps", options.opening_max_mm));
+    taught.warnings.push_back(
+        text("no place narrower than %.0f mm to grip was found: give --grasps", options.opening_max_mm));
   }
   return taught;
 }

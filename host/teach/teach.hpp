@@ -14,8 +14,8 @@
 namespace beltpick::teach {
 
 struct TeachOptions {
-  std::size_t points = 36600;      // of the template, as the paper's
-  double opening_max_mm = 110.0;   // of default grasps
+  std::size_t points = 36600;     // of the template, as the paper's
+  double opening_max_mm = 110.0;  // of default grasps
   std::uint64_t seed = 1;
 };
 
