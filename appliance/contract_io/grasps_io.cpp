@@ -1,10 +1,10 @@
 #include "contract_io/grasps_io.hpp"
 
-#include <sstream>
 #define TOML_EXCEPTIONS 1
 #include <toml++/toml.h>
 
 #include "contract/result_codes.hpp"
+#include "contract_io/file_io.hpp"
 
 namespace beltpick::contract_io {
 
@@ -54,13 +54,11 @@ Pose<frame::Part, frame::Gripper> gripper_pose(const Vec3& position_mm, const Ve
 }
 
 Result<std::vector<Grasp>> read_grasps(const std::filesystem::path& path) {
-  std::error_code no_file;
-  if (!std::filesystem::is_regular_file(path, no_file)) {
-    return failure(ResultCode::kFileNotFound, "%s: expected a grasps file, found none; check the path", path.c_str());
-  }
+  const auto bytes = read_file(path);
+  if (!bytes) return std::unexpected(bytes.error());
   toml::table root;
   try {
-    root = toml::parse_file(path.string());
+    root = toml::parse(*bytes);
   } catch (const toml::parse_error& error) {
     return failure(ResultCode::kFormatInvalid, "%s: line %u: %s", path.c_str(), error.source().begin.line,
                    std::string(error.description()).c_str());

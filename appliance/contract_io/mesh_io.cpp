@@ -2,27 +2,14 @@
 
 #include <algorithm>
 #include <cstring>
-#include <fstream>
-#include <sstream>
 
 #include "contract/result_codes.hpp"
+#include "contract_io/file_io.hpp"
 #include "contract_io/mesh_parts.hpp"
 
 namespace beltpick::contract_io {
 
 namespace {
-
-Result<std::string> read_bytes(const std::filesystem::path& path) {
-  std::error_code error;
-  if (!std::filesystem::is_regular_file(path, error)) {
-    return failure(ResultCode::kFileNotFound, "%s: expected a mesh file, found none; check the path", path.c_str());
-  }
-  std::ifstream file(path, std::ios::binary);
-  std::ostringstream bytes;
-  bytes << file.rdbuf();
-  if (!file) return failure(ResultCode::kFileUnreadable, "%s: cannot be read; check its permissions", path.c_str());
-  return bytes.str();
-}
 
 std::string extension_of(const std::filesystem::path& path) {
   std::string extension = path.extension().string();
@@ -70,7 +57,7 @@ Result<void> check(const Mesh& mesh, const std::string& name) {
 }  // namespace
 
 Result<Mesh> read_mesh(const std::filesystem::path& path, double mm_per_unit) {
-  const auto bytes = read_bytes(path);
+  const auto bytes = read_file(path);
   if (!bytes) return std::unexpected(bytes.error());
   auto mesh = parse(path, *bytes);
   if (!mesh) return mesh;
@@ -99,19 +86,7 @@ Result<void> write_stl(const std::filesystem::path& path, const Mesh& mesh) {
     for (const Vec3f* v : {&normal, &a, &b, &c}) append(v->data(), 12);
     bytes.append(2, '\0');
   }
-  const std::filesystem::path temporary = path.string() + ".part";
-  {
-    std::ofstream file(temporary, std::ios::binary);
-    file.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-    if (!file.flush())
-      return failure(ResultCode::kFileNotWritten, "%s: cannot be written; check the folder and free space",
-                     path.c_str());
-  }
-  std::error_code error;
-  std::filesystem::rename(temporary, path, error);
-  if (error)
-    return failure(ResultCode::kFileNotWritten, "%s: cannot be written: %s", path.c_str(), error.message().c_str());
-  return {};
+  return write_file(path, bytes);
 }
 
 }  // namespace beltpick::contract_io

@@ -3,11 +3,10 @@
 #include <zlib.h>
 
 #include <cstring>
-#include <fstream>
 #include <nlohmann/json.hpp>
-#include <sstream>
 
 #include "contract/result_codes.hpp"
+#include "contract_io/file_io.hpp"
 
 namespace beltpick::contract_io {
 
@@ -180,17 +179,9 @@ Result<void> read_points(std::string_view payload, std::size_t count, const char
 }  // namespace
 
 Result<PartTemplate> read_template(const std::filesystem::path& path) {
-  std::error_code no_file;
-  if (!std::filesystem::is_regular_file(path, no_file)) {
-    return failure(ResultCode::kFileNotFound, "%s: expected a template, found no such file; check the path",
-                   path.c_str());
-  }
-  std::ifstream file(path, std::ios::binary);
-  std::ostringstream stream;
-  stream << file.rdbuf();
-  if (!file) return failure(ResultCode::kFileUnreadable, "%s: cannot be read; check its permissions", path.c_str());
-  const std::string bytes = std::move(stream).str();
-  const auto parts = take_apart(bytes, path.c_str());
+  const auto bytes = read_file(path);
+  if (!bytes) return std::unexpected(bytes.error());
+  const auto parts = take_apart(*bytes, path.c_str());
   if (!parts) return std::unexpected(parts.error());
   try {
     const Json json = Json::parse(parts->json);
@@ -212,20 +203,7 @@ Result<void> write_template(const std::filesystem::path& path, const PartTemplat
   rest.append(reinterpret_cast<const char*>(part.normal.data()), part.normal.size() * 12);
   char line[80];
   std::snprintf(line, sizeof line, "beltpick-template %d %08x %zu\n", kVersion, checksum(rest), json.size());
-  const std::filesystem::path temporary = path.string() + ".part";
-  {
-    std::ofstream file(temporary, std::ios::binary);
-    file << line;
-    file.write(rest.data(), static_cast<std::streamsize>(rest.size()));
-    if (!file.flush())
-      return failure(ResultCode::kFileNotWritten, "%s: cannot be written; check the folder and free space",
-                     path.c_str());
-  }
-  std::error_code error;
-  std::filesystem::rename(temporary, path, error);
-  if (error)
-    return failure(ResultCode::kFileNotWritten, "%s: cannot be written: %s", path.c_str(), error.message().c_str());
-  return {};
+  return write_file(path, line + rest);
 }
 
 }  // namespace beltpick::contract_io
