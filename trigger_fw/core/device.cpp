@@ -1,0 +1,108 @@
+#include "core/device.hpp"
+
+namespace beltpick {
+namespace core {
+
+using protocol::Header;
+using protocol::Refusal;
+using protocol::Type;
+
+void Device::on_byte(uint8_t byte, uint32_t now_us) {
+  if (decoder_.push(byte) == protocol::FrameDecoder::Outcome::kMessage) serve(now_us);
+}
+
+void Device::serve(uint32_t now_us) {
+  Header header;
+  if (!protocol::decode_header(decoder_.message(), decoder_.size(), header)) return;
+  if (header.version != protocol::kVersion) {
+    reply(header, Refusal::kWrongVersion);
+    return;
+  }
+  sequencer_.host_spoke(now_us);
+  if (header.type == Type::kArm) {
+    serve_arm(header);
+  } else if (header.type == Type::kStart) {
+    serve_start(header, now_us);
+  } else if (decoder_.size() != protocol::kHeaderBytes) {
+    reply(header, Refusal::kMalformed);
+  } else {
+    serve_simple(header, now_us);
+  }
+}
+
+void Device::serve_arm(const Header& header) {
+  protocol::Arm arm;
+  const bool whole = protocol::decode_payload(decoder_.message(), decoder_.size(), arm);
+  reply(header, whole ? sequencer_.arm(arm) : Refusal::kMalformed);
+}
+
+void Device::serve_start(const Header& header, uint32_t now_us) {
+  protocol::Start start;
+  const bool whole = protocol::decode_payload(decoder_.message(), decoder_.size(), start);
+  reply(header, whole ? sequencer_.start(start.arm_id, now_us) : Refusal::kMalformed);
+}
+
+void Device::serve_simple(const Header& header, uint32_t now_us) {
+  switch (header.type) {
+    case Type::kIdentify:
+      send(Type::kIdentity, header.sequence, identity_);
+      return;
+    case Type::kStatus:
+      send(Type::kStatusReport, header.sequence, sequencer_.status(now_us));
+      return;
+    case Type::kAbort:
+      sequencer_.abort();
+      reply(header, Refusal::kNone);
+      return;
+    case Type::kClear:
+      reply(header, sequencer_.clear());
+      return;
+    case Type::kKeepalive:
+      reply(header, Refusal::kNone);
+      return;
+    default:
+      reply(header, Refusal::kUnknownMessage);
+  }
+}
+
+void Device::reply(const Header& header, Refusal refusal) {
+  protocol::Reply message;
+  message.request = header.type;
+  message.refusal = refusal;
+  send(Type::kReply, header.sequence, message);
+}
+
+// What does not fit is dropped whole: the host repeats its request.
+template <class Payload>
+void Device::send(Type type, uint8_t sequence, const Payload& payload) {
+  uint8_t frame[protocol::kMaxOutgoingFrame];
+  const size_t size = protocol::encode(type, sequence, payload, frame, sizeof frame);
+  if (size > static_cast<size_t>(kQueueBytes - queue_count_)) return;
+  for (size_t i = 0; i < size; ++i) queue_[(queue_head_ + queue_count_++) % kQueueBytes] = frame[i];
+}
+
+template <class Event>
+bool Device::send_pending(Type type) {
+  Event event;
+  if (!sequencer_.take(event)) return false;
+  send(type, event_sequence_++, event);
+  return true;
+}
+
+// Frames first: DONE and FAULT then tell the host that it has all of them.
+bool Device::send_event() {
+  return send_pending<protocol::FrameEvent>(Type::kFrameEvent) ||
+         send_pending<protocol::FaultEvent>(Type::kFaultEvent) || send_pending<protocol::DoneEvent>(Type::kDoneEvent) ||
+         send_pending<protocol::InputsEvent>(Type::kInputsEvent);
+}
+
+bool Device::next_byte(uint8_t& byte) {
+  if (queue_count_ == 0 && !send_event()) return false;
+  byte = queue_[queue_head_];
+  queue_head_ = static_cast<uint8_t>((queue_head_ + 1) % kQueueBytes);
+  --queue_count_;
+  return true;
+}
+
+}  // namespace core
+}  // namespace beltpick

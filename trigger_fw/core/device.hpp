@@ -1,0 +1,48 @@
+// Device: the firmware as its serial line sees it: bytes in, requests to the sequencer, replies and events out.
+#pragma once
+
+#include "core/sequencer.hpp"
+#include "protocol/messages.hpp"
+
+namespace beltpick {
+namespace core {
+
+class Device {
+ public:
+  // `inputs`: protocol::InputBit as the pins read at start.
+  Device(const protocol::Identity& identity, uint8_t inputs, uint32_t now_us)
+      : identity_(identity), sequencer_(inputs, now_us) {}
+
+  Sequencer& sequencer() { return sequencer_; }
+  const Sequencer& sequencer() const { return sequencer_; }
+
+  void on_byte(uint8_t byte, uint32_t now_us);
+
+  // The next byte for the wire; false when there is none. An event leaves the sequencer only when the line is free.
+  bool next_byte(uint8_t& byte);
+
+ private:
+  static constexpr uint8_t kQueueBytes = 128;
+
+  void serve(uint32_t now_us);
+  void serve_arm(const protocol::Header& header);
+  void serve_start(const protocol::Header& header, uint32_t now_us);
+  void serve_simple(const protocol::Header& header, uint32_t now_us);
+  void reply(const protocol::Header& header, protocol::Refusal refusal);
+  bool send_event();
+  template <class Payload>
+  void send(protocol::Type type, uint8_t sequence, const Payload& payload);
+  template <class Event>
+  bool send_pending(protocol::Type type);
+
+  protocol::Identity identity_;
+  Sequencer sequencer_;
+  protocol::FrameDecoder decoder_;
+  uint8_t event_sequence_ = 0;
+  uint8_t queue_[kQueueBytes] = {};
+  uint8_t queue_head_ = 0;
+  uint8_t queue_count_ = 0;
+};
+
+}  // namespace core
+}  // namespace beltpick

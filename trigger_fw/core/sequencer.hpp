@@ -1,0 +1,103 @@
+// Sequencer: runs an armed sequence edge by edge, watches strobe, belt, emergency stop and host, and falls to safe
+// outputs with a latched fault when one of them is wrong. Pure: the board gives it times and levels and copies its
+// outputs to pins.
+//
+// Times are the board's microseconds; they wrap, and are compared within half their range. After every call the board
+// applies outputs() and sets its timer to next_deadline().
+#pragma once
+
+#include "core/plan.hpp"
+#include "protocol/messages.hpp"
+
+namespace beltpick {
+namespace core {
+
+struct Outputs {
+  bool projector = false;  // advance pulse
+  bool camera = false;     // trigger: high for the exposure
+  bool busy = false;
+  bool done = false;
+  bool fault = false;
+};
+
+// An edge served later than this spoils the exposure or the pattern.
+constexpr uint32_t kLateLimit_us = 200;
+
+class Sequencer {
+ public:
+  // `inputs`: protocol::InputBit as the pins read at start. An emergency stop pressed then is a fault from the start.
+  Sequencer(uint8_t inputs, uint32_t now_us);
+
+  // Requests, as PROTOCOL.md has them.
+  protocol::Refusal arm(const protocol::Arm& arm);
+  protocol::Refusal start(uint16_t arm_id, uint32_t now_us);
+  void abort();
+  protocol::Refusal clear();
+  void host_spoke(uint32_t now_us) { host_spoke_us_ = now_us; }
+
+  // What happens in the world.
+  void on_time(uint32_t now_us);
+  void on_strobe(bool active, uint32_t now_us);
+  void on_inputs(uint8_t inputs, uint32_t now_us);
+
+  // When on_time() is to be called next; false when nothing is awaited.
+  bool next_deadline(uint32_t& at_us) const;
+  Outputs outputs() const { return outputs_; }
+  protocol::StatusReport status(uint32_t now_us) const;
+
+  // Events for the wire, each given once. False when there is none.
+  bool take(protocol::FrameEvent& event);
+  bool take(protocol::DoneEvent& event);
+  bool take(protocol::FaultEvent& event);
+  bool take(protocol::InputsEvent& event);
+
+ private:
+  enum class Phase : uint8_t { kAdvance, kSettle, kExpose, kReadout };
+  enum class Strobe : uint8_t { kNotDue, kAwaited, kActive, kEnded };
+  enum class Awaited : uint8_t { kStrobe, kEdge, kHost };
+  static constexpr uint8_t kFrameQueue = 4;
+
+  Awaited earliest(uint32_t& at_us) const;
+  void serve_edge(uint32_t at_us);
+  void begin_frame(uint32_t at_us);
+  void finish(uint32_t at_us);
+  void strobe_rose(uint32_t now_us);
+  void strobe_fell(uint32_t now_us);
+  void raise(protocol::Fault fault);
+  const protocol::Group& timing() const { return cursor_.timing(plan_); }
+
+  protocol::State state_ = protocol::State::kIdle;
+  protocol::Fault fault_ = protocol::Fault::kNone;
+  uint16_t fault_frame_ = protocol::kNoFrame;
+  Outputs outputs_;
+
+  protocol::Arm plan_;
+  FrameCursor cursor_;
+  Phase phase_ = Phase::kAdvance;
+  uint16_t frames_done_ = 0;
+  uint32_t trigger_number_ = 0;
+  uint32_t start_us_ = 0;
+  uint32_t frame_start_us_ = 0;
+  uint32_t edge_us_ = 0;  // of the next output edge
+
+  Strobe strobe_ = Strobe::kNotDue;
+  bool strobe_level_ = false;
+  uint32_t pulse_us_ = 0;
+  uint32_t strobe_start_us_ = 0;
+  uint32_t strobe_deadline_us_ = 0;
+
+  uint8_t inputs_;
+  uint32_t inputs_us_;
+  uint32_t host_spoke_us_;
+
+  protocol::FrameEvent frames_[kFrameQueue];
+  uint8_t frames_head_ = 0;
+  uint8_t frames_count_ = 0;
+  uint32_t duration_us_ = 0;
+  bool done_pending_ = false;
+  bool fault_pending_ = false;
+  bool inputs_pending_ = false;
+};
+
+}  // namespace core
+}  // namespace beltpick
