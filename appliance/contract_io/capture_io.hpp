@@ -39,6 +39,8 @@ class CaptureReader {
 
  private:
   CaptureReader();
+  // Sees that all files are there, and takes size and depth from the first frame.
+  Result<void> adopt_first_frame(Warnings& warnings);
   Result<GreyImage> load(int index);
 
   std::unique_ptr<CaptureSource> source_;

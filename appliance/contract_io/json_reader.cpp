@@ -72,32 +72,22 @@ void JsonDocument::fail(ResultCode code, std::string_view member, std::string_vi
 
 void JsonDocument::warn(const std::string& text) { warnings_.push_back(one_line(name_ + ": " + text)); }
 
-JsonObject JsonDocument::root() {
+JsonObject JsonDocument::root(std::initializer_list<std::string_view> formats, int version) {
   if (!failed() && !value_.is_object()) {
     fail(ResultCode::kFormatInvalid, "the file", "a JSON object", describe(value_), "is it the right file?");
   }
-  return {*this, failed() ? nullptr : &value_, ""};
-}
-
-JsonObject JsonDocument::root(std::string_view format, int version) {
-  JsonObject object = root();
-  const std::string found = object.text("format");
-  if (!failed() && found != format) {
-    fail(ResultCode::kFormatInvalid, "format", "\"" + std::string(format) + "\"", "\"" + found + "\"",
-         "is it the right file?");
-  }
+  JsonObject object(*this, failed() ? nullptr : &value_, "");
+  object.choice("format", formats);
   const int number = object.integer("version", {0, 1e9});
   if (!failed() && number != version) {
     fail(ResultCode::kVersionUnsupported, "version", std::to_string(version), std::to_string(number),
          "update beltpick or write the file anew");
   }
-  return {*this, failed() ? nullptr : &value_, ""};
+  return object;
 }
 
 JsonObject::JsonObject(JsonDocument& document, const nlohmann::json* value, std::string path)
-    : document_(&document), value_(value), path_(std::move(path)) {
-  if (path_.empty()) asked_ = {"format", "version"};
-}
+    : document_(&document), value_(value), path_(std::move(path)) {}
 
 std::string JsonObject::path(std::string_view member) const {
   return path_.empty() ? std::string(member) : path_ + "." + std::string(member);
@@ -171,7 +161,7 @@ int JsonObject::choice(std::string_view member, std::initializer_list<std::strin
   for (const std::string_view choice : choices) {
     expected += (expected.empty() ? "\"" : ", \"") + std::string(choice) + "\"";
   }
-  expected = "one of " + expected;
+  if (choices.size() > 1) expected = "one of " + expected;
   const nlohmann::json* value = require(member, expected, fallback.has_value());
   if (value == nullptr) return fallback.value_or(0);
   if (value->is_string()) {

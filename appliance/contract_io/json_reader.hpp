@@ -4,7 +4,7 @@
 // asks once at the end:
 //
 //   JsonDocument document(text, "capture.json", warnings);
-//   JsonObject root = document.root("beltpick-capture", 1);
+//   JsonObject root = document.root({"beltpick-capture"}, 1);
 //   header.full_scale = root.integer("full_scale", {1, 65535}, 255);
 //   root.finish();                                     // members nobody asked for warn
 //   if (document.failed()) return document.error();
@@ -30,10 +30,8 @@ class JsonDocument {
   // `name` stands in messages. Malformed JSON is the first error.
   JsonDocument(std::string_view text, std::string name, Warnings& warnings);
 
-  // The top-level object, after checking its `format` and `version`.
-  JsonObject root(std::string_view format, int version);
-  // The top-level object of a file that carries no format, as sequence.json of other tools.
-  JsonObject root();
+  // The top-level object, after checking that its `format` is one of `formats` and its `version` the one known.
+  JsonObject root(std::initializer_list<std::string_view> formats, int version);
 
   [[nodiscard]] bool failed() const { return error_.has_value(); }
   [[nodiscard]] std::unexpected<Error> error() const { return std::unexpected(*error_); }
