@@ -1,6 +1,5 @@
 #include "contract_io/toml_config.hpp"
 
-#define TOML_EXCEPTIONS 0
 #include <toml++/toml.h>
 
 #include "contract/result_codes.hpp"
@@ -71,15 +70,14 @@ class TomlFlattener {
 };
 
 Result<TomlConfig> TomlConfig::parse(std::string_view text, const std::string& name) {
-  const toml::parse_result parsed = toml::parse(text, name);
-  if (!parsed) {
-    const toml::parse_error& error = parsed.error();
+  TomlConfig config;
+  config.name_ = name;
+  try {
+    TomlFlattener(config).table(toml::parse(text, name), "");
+  } catch (const toml::parse_error& error) {
     return failure(ResultCode::kFormatInvalid, "%s: line %u: expected TOML, found: %s; correct this line", name.c_str(),
                    error.source().begin.line, one_line(error.description()).c_str());
   }
-  TomlConfig config;
-  config.name_ = name;
-  TomlFlattener(config).table(parsed.table(), "");
   return config;
 }
 
