@@ -1,0 +1,1 @@
+// A library at the bottom.
