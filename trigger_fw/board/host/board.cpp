@@ -1,0 +1,201 @@
+#include "host/board.hpp"
+
+#include <poll.h>
+#include <sys/eventfd.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <ctime>
+#include <system_error>
+
+namespace beltpick::host {
+
+namespace {
+
+std::int64_t now_ns() {
+  timespec now{};
+  ::clock_gettime(CLOCK_MONOTONIC, &now);
+  return std::int64_t{now.tv_sec} * 1'000'000'000 + now.tv_nsec;
+}
+
+std::uint8_t input_bits(const BoardOptions& options) {
+  return static_cast<std::uint8_t>((options.belt_stopped ? protocol::kInputBeltStopped : 0) |
+                                   (options.emergency_stop ? protocol::kInputEmergencyStop : 0));
+}
+
+protocol::Identity identity() {
+  protocol::Identity identity;
+  identity.board = protocol::BoardKind::kHost;
+  identity.firmware_minor = 1;
+  identity.tick_ns = 1000;
+  return identity;
+}
+
+}  // namespace
+
+Board::Board(BoardOptions options)
+    : options_(std::move(options)),
+      terminal_(options_.link),
+      wake_fd_(::eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)),
+      clock_zero_us_(now_ns() / 1000),
+      inputs_(input_bits(options_)),
+      device_(identity(), inputs_, 0) {
+  if (wake_fd_ < 0) throw std::system_error(errno, std::generic_category(), "eventfd");
+  thread_ = std::thread([this] { run(); });
+}
+
+Board::~Board() {
+  stopping_ = true;
+  wake();
+  thread_.join();
+  ::close(wake_fd_);
+}
+
+void Board::wake() {
+  const std::uint64_t one = 1;
+  // A full counter wakes as well.
+  [[maybe_unused]] const ssize_t written = ::write(wake_fd_, &one, sizeof one);
+}
+
+std::uint32_t Board::raw_board_us() const { return static_cast<std::uint32_t>(now_ns() / 1000 - clock_zero_us_); }
+
+// The clock does not pass a deadline that the thread has not served yet.
+std::uint32_t Board::board_us() const {
+  const std::uint32_t now_us = raw_board_us();
+  std::uint32_t deadline_us = 0;
+  if (!device_.sequencer().next_deadline(deadline_us)) return now_us;
+  return static_cast<std::int32_t>(now_us - deadline_us) < 0 ? now_us : deadline_us - 1;
+}
+
+void Board::set_strobe(bool active) {
+  {
+    const std::lock_guard lock(mutex_);
+    if (swallowed({strobes_to_drop_, strobe_cut_}, active)) return;
+    device_.sequencer().on_strobe(active, board_us());
+  }
+  wake();
+}
+
+void Board::set_belt_stopped(bool stopped) { set_input(protocol::kInputBeltStopped, stopped); }
+
+void Board::set_emergency_stop(bool pressed) { set_input(protocol::kInputEmergencyStop, pressed); }
+
+void Board::set_input(std::uint8_t bit, bool level) {
+  {
+    const std::lock_guard lock(mutex_);
+    inputs_ = static_cast<std::uint8_t>(level ? inputs_ | bit : inputs_ & ~bit);
+    device_.sequencer().on_inputs(inputs_, board_us());
+  }
+  wake();
+}
+
+// A pulse is swallowed whole: its fall follows its rise.
+bool Board::swallowed(WireFault fault, bool level) {
+  if (level && fault.left > 0) {
+    --fault.left;
+    fault.cut = true;
+    return true;
+  }
+  const bool cut = fault.cut;
+  fault.cut = false;
+  return cut && !level;
+}
+
+protocol::StatusReport Board::status() {
+  const std::lock_guard lock(mutex_);
+  return device_.sequencer().status(board_us());
+}
+
+// What a request or an input changed is published before a deadline is served: no edge may hide behind the next one.
+void Board::run() {
+  while (!stopping_) {
+    receive();
+    publish(false);
+    publish(true);
+    transmit();
+    wait();
+  }
+}
+
+// Hands the edges of the output pins to the callback, without the lock; first serves what is due, if so asked.
+void Board::publish(bool serving) {
+  core::Outputs out;
+  std::uint32_t at_us = 0;
+  {
+    const std::lock_guard lock(mutex_);
+    at_us = serving ? serve() : board_us();
+    out = device_.sequencer().outputs();
+  }
+  emit_changes(out, at_us);
+}
+
+// Serves the deadline that is due, if one is, at its own time: the clock is set back by the delay. Returns that time.
+std::uint32_t Board::serve() {
+  core::Sequencer& sequencer = device_.sequencer();
+  const std::uint32_t now_us = raw_board_us();
+  std::uint32_t deadline_us = 0;
+  if (!sequencer.next_deadline(deadline_us)) return now_us;
+  const auto late_us = static_cast<std::int32_t>(now_us - deadline_us);
+  if (late_us < 0) return now_us;
+  clock_zero_us_ += late_us;
+  sequencer.on_time(deadline_us);
+  return deadline_us;
+}
+
+// BUSY rises before and falls after the pulses it encloses: its rise sets the projector back.
+void Board::emit_changes(const core::Outputs& out, std::uint32_t board_us) {
+  const core::Outputs before = published_;
+  published_ = out;
+  if (out.busy && !before.busy) emit(Pin::kBusy, true, board_us);
+  if (out.projector != before.projector && !swallowed({advances_to_drop_, advance_cut_}, out.projector)) {
+    emit(Pin::kProjectorAdvance, out.projector, board_us);
+  }
+  if (out.camera != before.camera && !swallowed({pulses_to_drop_, pulse_cut_}, out.camera)) {
+    emit(Pin::kCameraTrigger, out.camera, board_us);
+  }
+  if (!out.busy && before.busy) emit(Pin::kBusy, false, board_us);
+  if (out.done != before.done) emit(Pin::kDone, out.done, board_us);
+  if (out.fault != before.fault) emit(Pin::kFault, out.fault, board_us);
+}
+
+void Board::emit(Pin pin, bool level, std::uint32_t board_us) {
+  if (options_.on_edge) options_.on_edge({pin, level, board_us, now_ns()});
+}
+
+void Board::receive() {
+  std::uint8_t bytes[256];
+  const std::size_t count = terminal_.read(bytes, sizeof bytes);
+  if (count == 0 || muted_) return;
+  const std::lock_guard lock(mutex_);
+  for (std::size_t i = 0; i < count; ++i) device_.on_byte(bytes[i], board_us());
+}
+
+void Board::transmit() {
+  std::uint8_t bytes[256];
+  std::size_t count = 0;
+  {
+    const std::lock_guard lock(mutex_);
+    while (count < sizeof bytes && device_.next_byte(bytes[count])) ++count;
+  }
+  if (!muted_) terminal_.write(bytes, count);
+}
+
+// Sleeps until the next deadline, a byte on the line or a change of an input.
+void Board::wait() {
+  timespec timeout{.tv_sec = 0, .tv_nsec = 100'000'000};
+  {
+    const std::lock_guard lock(mutex_);
+    std::uint32_t deadline_us = 0;
+    if (device_.sequencer().next_deadline(deadline_us)) {
+      const auto left_us = static_cast<std::int32_t>(deadline_us - raw_board_us());
+      if (left_us <= 0) return;
+      if (left_us < 100'000) timeout.tv_nsec = left_us * 1000L;
+    }
+  }
+  pollfd waits[] = {{terminal_.fd(), POLLIN, 0}, {wake_fd_, POLLIN, 0}};
+  ::ppoll(waits, 2, &timeout, nullptr);
+  std::uint64_t count = 0;
+  [[maybe_unused]] const ssize_t size = ::read(wake_fd_, &count, sizeof count);
+}
+
+}  // namespace beltpick::host
