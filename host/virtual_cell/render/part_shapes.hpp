@@ -1,0 +1,25 @@
+// The shapes of the virtual cell's parts as signed distance functions: castings with cylinders that are true cylinders.
+#pragma once
+
+#include <Eigen/Geometry>
+
+#include "virtual_cell/render/implicit_mesh.hpp"
+
+namespace beltpick::virtual_cell {
+
+// A steel casting of a car, about 174 x 103 x 58 mm: a boss with a blind bore (axis y, radius kKnuckleBossRadiusMm), an
+// arm to an eye with a bore (axis z), an ear with a hole, a rib and a foot. No symmetry.
+double knuckle_distance(const Vec3& point_mm);
+Eigen::AlignedBox3d knuckle_box();
+inline constexpr double kKnuckleBossRadiusMm = 26.0;
+inline constexpr double kKnuckleBoreRadiusMm = 15.0;
+
+// A quarter bend of pipe with two equal flanges of four holes; half a turn about the bisector maps it onto itself.
+double elbow_distance(const Vec3& point_mm);
+Eigen::AlignedBox3d elbow_box();
+
+// An angle bracket with a round post, a gusset and two unlike holes. No symmetry.
+double bracket_distance(const Vec3& point_mm);
+Eigen::AlignedBox3d bracket_box();
+
+}  // namespace beltpick::virtual_cell

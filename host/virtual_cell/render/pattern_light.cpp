@@ -1,0 +1,67 @@
+#include "virtual_cell/render/pattern_light.hpp"
+
+#include <algorithm>
+#include <cstdint>
+#include <numeric>
+
+#include "contract/sequences.hpp"
+
+namespace beltpick::virtual_cell {
+namespace {
+
+// Share of a pixel centred `offset` away under a Gaussian of `sigma`.
+float pixel_share(double offset, double sigma) {
+  const auto below = [sigma](double x) { return 0.5 * std::erfc(-x / (sigma * std::sqrt(2.0))); };
+  return static_cast<float>(below(offset + 0.5) - below(offset - 0.5));
+}
+
+}  // namespace
+
+PatternLight::PatternLight(const ProjectorGrid& grid, double gamma) : grid_(grid), gamma_(gamma) {
+  for (int parity = 0; parity < 2; ++parity) {
+    for (int level = 0; level < kBlurLevels; ++level) {
+      const double sigma = kSigmaFirst + kSigmaStep * static_cast<float>(level);
+      for (int sub = 0; sub < kSubdivision; ++sub) {
+        for (int n = -kReach; n <= kReach; ++n) {
+          const double offset = n + 0.5 * parity - static_cast<double>(sub) / kSubdivision;
+          weights_[parity][level][sub][n + kReach] = pixel_share(offset, sigma);
+        }
+      }
+    }
+  }
+}
+
+void PatternLight::set(const FrameSpec& frame) {
+  axis_ = frame.axis;
+  samples_ = (grid_.extent(axis_) + 1) * kSubdivision;
+  table_.assign(static_cast<std::size_t>(kBlurLevels) * samples_, 0.0F);
+  mean_ = 0.0F;
+  const bool two_kinds = grid_.layout == ProjectorLayout::kDiamond && axis_ == Axis::kColumn;
+  for (int parity = 0; parity < (two_kinds ? 2 : 1); ++parity) add_rows(frame, parity, two_kinds ? 0.5F : 1.0F);
+}
+
+void PatternLight::add_rows(const FrameSpec& frame, int parity, float share) {
+  const int extent = grid_.extent(axis_);
+  const int padding = kReach + static_cast<int>(kMargin);
+  pixel_.assign(static_cast<std::size_t>(extent + 2 * padding + 1), 0.0F);
+  for (int x = 0; x < extent; ++x) {
+    // The pattern image holds 8 bits; gamma is what the projector makes of them.
+    const double value = std::round(255.0 * pattern_intensity(frame, x + 0.5 * parity)) / 255.0;
+    pixel_[x + padding] = share * (kBlack + (1.0F - kBlack) * static_cast<float>(std::pow(value, gamma_)));
+  }
+  mean_ += std::accumulate(pixel_.begin(), pixel_.end(), 0.0F) / static_cast<float>(extent);
+  for (int level = 0; level < kBlurLevels; ++level) {
+    float* out = table_.data() + static_cast<std::size_t>(level) * samples_;
+    for (int sample = 0; sample < samples_; ++sample) {
+      const auto& weight = weights_[parity][level][sample % kSubdivision];
+      out[sample] += std::inner_product(weight.begin(), weight.end(), pixel_.begin() + sample / kSubdivision, 0.0F);
+    }
+  }
+}
+
+int PatternLight::blur_level(float sigma_px) {
+  const auto level = static_cast<int>(std::lround((sigma_px - kSigmaFirst) / kSigmaStep));
+  return std::clamp(level, 0, kBlurLevels - 1);
+}
+
+}  // namespace beltpick::virtual_cell
