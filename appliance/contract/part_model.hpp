@@ -24,6 +24,7 @@ struct PartView {
 struct GraspPose {
   Pose<frame::Part, frame::Gripper> T_part_gripper;
   double opening_mm = 0.0;
+  bool clear_of_part = true;  // the open jaws do not meet the part itself
 };
 
 struct PartModel {

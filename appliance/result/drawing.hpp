@@ -1,0 +1,61 @@
+// Drawing: a part in an assumed pose as the camera would see it: which of its surface points are in sight, drawn at
+// reduced resolution into a depth buffer.
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "base/arena.hpp"
+#include "contract/limits.hpp"
+#include "contract/part_model.hpp"
+#include "result/scene.hpp"
+
+namespace beltpick::result {
+
+// A surface point that nothing of the part itself hides.
+struct VisiblePoint {
+  Vec3f point_mm;           // camera frame
+  Vec3f normal;             // camera frame
+  float column_px, row_px;  // where it appears; may lie outside the image
+  float area;               // across the line of sight, relative to a point seen straight on
+  bool in_image;
+};
+
+class Drawing {
+ public:
+  Drawing(Arena& arena, const Limits& limits);
+
+  // Draws the part. A surface that leans away by more than about 78 degrees counts as out of sight: it is rarely measured.
+  void draw(const PartModel& model, const PartPose& T_camera_part, const Lens& lens);
+
+  [[nodiscard]] std::span<const VisiblePoint> visible() const { return visible_.first(visible_count_); }
+
+  // The depth buffer: cells of factor() x factor() pixels, the first at (row_px(), column_px()) of the image; depth 0
+  // where the part is not. It covers the part and a cell of margin, clipped to a quarter image beyond the border.
+  [[nodiscard]] ImageView<const float> depth_mm() const { return depth_; }
+  [[nodiscard]] int factor() const { return factor_; }
+  [[nodiscard]] int row_px() const { return row_px_; }
+  [[nodiscard]] int column_px() const { return column_px_; }
+
+ private:
+  struct Projected {
+    Vec3f point_mm;
+    Vec3f normal;
+    float column_px, row_px;
+    float cosine;
+  };
+  void project_front(const PartModel& model, const PartPose& T_camera_part, const Lens& lens);
+  void lay_out(const PartModel& model, const Lens& lens);
+  void splat(double spacing_mm, const Lens& lens);
+  void keep_visible(double spacing_mm, const Lens& lens);
+
+  std::span<Projected> front_;
+  std::size_t front_count_ = 0;
+  std::span<VisiblePoint> visible_;
+  std::size_t visible_count_ = 0;
+  std::span<float> cells_;
+  ImageView<float> depth_;
+  int factor_ = 4, row_px_ = 0, column_px_ = 0;
+};
+
+}  // namespace beltpick::result

@@ -1,0 +1,134 @@
+#include "result/evidence.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "contract/lens_project.hpp"
+#include "result/outline.hpp"
+
+namespace beltpick::result {
+namespace {
+
+enum class Finding : std::uint8_t { kMatched, kViolated, kOccluded, kMissing };
+
+struct Tolerance {
+  float surface_mm;
+  float free_space_mm;
+};
+
+// One measured point against the surface expected on its line of sight.
+Finding compare(const Vec3f& measured, const Vec3f& expected, const Vec3f& normal, const Tolerance& tolerance) {
+  if (measured.z() <= 0.0F) return Finding::kMissing;
+  const Vec3f apart = measured - expected;
+  if (std::abs(normal.dot(apart)) < tolerance.surface_mm) return Finding::kMatched;
+  const float behind = measured.norm() - expected.norm();
+  if (behind > tolerance.free_space_mm) return Finding::kViolated;
+  return behind < 0.0F ? Finding::kOccluded : Finding::kMissing;
+}
+
+// The surface point against the pixels round it: matched if any matches, for a pose that is right may be a pixel off;
+// violated only if all agree, so that seeing past an edge is no evidence.
+class Lookup {
+ public:
+  Lookup(const Scene& scene, const PartModel& model, const PartPose& T_camera_part, Tolerance tolerance, int reach_px)
+      : range_(scene.range),
+        model_(model),
+        T_part_camera_(T_camera_part.inverse()),
+        tolerance_(tolerance),
+        reach_px_(reach_px) {}
+
+  // Adds the squared distance of a match to `square_mm2`.
+  Finding look(const VisiblePoint& point, double& square_mm2) const {
+    const int row = static_cast<int>(std::lround(point.row_px));
+    const int col = static_cast<int>(std::lround(point.column_px));
+    const Finding centre = at(row, col, point);
+    if (centre == Finding::kMatched) {
+      const double distance = point.normal.dot(range_.point_mm(row, col) - point.point_mm);
+      square_mm2 += point.area * distance * distance;
+      return centre;
+    }
+    if (centre != Finding::kViolated) return centre;
+    for (const auto& [dr, dc] : {std::pair{-1, 0}, {1, 0}, {0, -1}, {0, 1}}) {
+      const Finding beside = at(row + dr * reach_px_, col + dc * reach_px_, point);
+      if (beside != Finding::kViolated) return Finding::kMissing;
+    }
+    return on_part(range_.point_mm(row, col)) ? Finding::kMissing : Finding::kViolated;
+  }
+
+ private:
+  [[nodiscard]] Finding at(int row, int col, const VisiblePoint& point) const {
+    if (!range_.point_mm.contains(row, col)) return Finding::kMissing;
+    return compare(range_.point_mm(row, col), point.point_mm, point.normal, tolerance_);
+  }
+
+  // Whether the point lies on some other surface of the part after all.
+  [[nodiscard]] bool on_part(const Vec3f& measured_mm) const {
+    const Vec3f at = (T_part_camera_ * measured_mm.cast<double>()).cast<float>();
+    return (model_.nearest(at).point_mm - at).norm() < tolerance_.surface_mm + model_.spacing_mm;
+  }
+
+  const RangeImage& range_;
+  const PartModel& model_;
+  Pose<frame::Part, frame::Camera> T_part_camera_;
+  Tolerance tolerance_;
+  int reach_px_;
+};
+
+double share(double part, double whole) { return whole > 0.0 ? part / whole : 0.0; }
+
+}  // namespace
+
+Evidence weigh(const Drawing& drawing, const PartModel& model, const PartPose& T_camera_part, const Scene& scene) {
+  const double tolerance_mm = surface_tolerance_mm(scene, model.spacing_mm);
+  const Tolerance tolerance{static_cast<float>(tolerance_mm),
+                            static_cast<float>(free_space_tolerance_mm(scene, model.spacing_mm))};
+  const Lookup lookup(scene, model, T_camera_part, tolerance, std::max(1, drawing.factor() / 2));
+  Evidence evidence;
+  double total = 0.0, inside = 0.0, matched = 0.0, violated = 0.0, occluded = 0.0, square_mm2 = 0.0;
+  for (const VisiblePoint& point : drawing.visible()) {
+    total += point.area;
+    if (!point.in_image) continue;
+    inside += point.area;
+    ++evidence.points;
+    switch (lookup.look(point, square_mm2)) {
+      case Finding::kMatched: matched += point.area; break;
+      case Finding::kViolated: violated += point.area; break;
+      case Finding::kOccluded: occluded += point.area; break;
+      case Finding::kMissing: break;
+    }
+  }
+  evidence.in_view = share(inside, total);
+  evidence.support = share(matched, total);
+  evidence.coverage = share(matched, inside - occluded);
+  evidence.violated = share(violated, inside - occluded);
+  evidence.occluded = share(occluded, inside);
+  evidence.continued = continued_outline(drawing, model, T_camera_part, scene, tolerance_mm);
+  evidence.rms_mm = std::sqrt(share(square_mm2, matched));
+  return evidence;
+}
+
+double first_impression(const PartModel& model, const PartPose& T_camera_part, const Scene& scene,
+                        double tolerance_mm) {
+  const Eigen::Matrix3f rotation = T_camera_part.rotation.cast<float>();
+  const Vec3f translation = T_camera_part.translation_mm.cast<float>();
+  const Tolerance tolerance{static_cast<float>(tolerance_mm), static_cast<float>(2.0 * tolerance_mm)};
+  int judged = 0, matched = 0, violated = 0;
+  for (const std::uint16_t index : model.scattered) {
+    const OrientedPoint& surface = model.surface[index];
+    const Vec3f point = rotation * surface.point_mm + translation;
+    const Vec3f normal = rotation * surface.normal;
+    if (normal.dot(point) > -0.2F * point.norm() || !in_field(scene.lens, point.cast<double>())) continue;
+    const PixelPosition at = project(scene.lens, point.cast<double>());
+    const int row = static_cast<int>(std::lround(at.row_px));
+    const int col = static_cast<int>(std::lround(at.column_px));
+    if (!scene.range.point_mm.contains(row, col)) continue;
+    const Finding finding = compare(scene.range.point_mm(row, col), point, normal, tolerance);
+    if (finding == Finding::kOccluded) continue;
+    ++judged;
+    matched += finding == Finding::kMatched ? 1 : 0;
+    violated += finding == Finding::kViolated ? 1 : 0;
+  }
+  return judged == 0 ? -2.0 : (matched - 2.0 * violated) / judged;
+}
+
+}  // namespace beltpick::result

@@ -1,0 +1,30 @@
+// Evidence: the whole range image for and against a pose: the part drawn, and every point in sight looked up.
+#pragma once
+
+#include "contract/part_model.hpp"
+#include "result/drawing.hpp"
+#include "result/scene.hpp"
+
+namespace beltpick::result {
+
+// Shares are by area across the line of sight.
+struct Evidence {
+  double in_view = 0.0;    // of what the camera could see of the part, what lies inside the image
+  double support = 0.0;    // of what the camera could see of the part, what was measured where the pose says
+  double coverage = 0.0;   // the same, of what lies inside the image and behind nothing else
+  double violated = 0.0;   // of that, what was seen to be empty: measured clearly behind
+  double occluded = 0.0;   // of what lies inside the image, what something measured in front hides
+  double continued = 0.0;  // of the outline, where the object goes on as if it were larger than the part
+  double rms_mm = 0.0;     // of the measured points to the surface, where they support the pose
+  int points = 0;          // in sight and inside the image
+};
+
+// Looks up the part as it was drawn.
+Evidence weigh(const Drawing& drawing, const PartModel& model, const PartPose& T_camera_part, const Scene& scene);
+
+// A first impression from the model's scattered points alone, without hidden surfaces removed: the share that was
+// measured where the pose says minus twice the share seen to be empty, of those not hidden. In [-2, 1].
+double first_impression(const PartModel& model, const PartPose& T_camera_part, const Scene& scene,
+                        double tolerance_mm);
+
+}  // namespace beltpick::result

@@ -1,0 +1,53 @@
+#include "result/verdict.hpp"
+
+#include <algorithm>
+
+#include "contract/result_codes.hpp"
+
+namespace beltpick::result {
+
+Result<void> judge(const Evidence& evidence, double tolerance_mm, const Requirements& required) {
+  if (evidence.points < required.points) {
+    return failure(ResultCode::kObjectTooSmall, "only %d surface points in sight, expected at least %d; bring it into view",
+                   evidence.points, required.points);
+  }
+  if (evidence.violated > required.violated) {
+    return failure(ResultCode::kFreeSpaceViolated,
+                   "%.0f %% of the pose's surface was seen to be empty, expected at most %.0f %%; a foreign object, or "
+                   "a wrong template",
+                   100.0 * evidence.violated, 100.0 * required.violated);
+  }
+  if (evidence.coverage < required.coverage) {
+    return failure(ResultCode::kCoverageTooLow,
+                   "%.0f %% of what should be visible was measured there, expected at least %.0f %%; hidden, shiny, or "
+                   "a foreign object",
+                   100.0 * evidence.coverage, 100.0 * required.coverage);
+  }
+  if (evidence.in_view < required.in_view) {
+    return failure(ResultCode::kPartlyOutOfView,
+                   "%.0f %% of the part is inside the image, expected at least %.0f %%; it is seen whole on its next lap",
+                   100.0 * evidence.in_view, 100.0 * required.in_view);
+  }
+  if (evidence.support < required.support) {
+    return failure(ResultCode::kCoverageTooLow,
+                   "only %.0f %% of the part was measured, expected at least %.0f %%; most of it is hidden",
+                   100.0 * evidence.support, 100.0 * required.support);
+  }
+  if (evidence.continued > required.continued) {
+    return failure(ResultCode::kResidualTooHigh,
+                   "along %.0f %% of the outline the object goes on, expected at most %.0f %%; a larger, foreign object",
+                   100.0 * evidence.continued, 100.0 * required.continued);
+  }
+  if (evidence.rms_mm > 0.6 * tolerance_mm) {
+    return failure(ResultCode::kResidualTooHigh, "%.3f mm RMS to the surface, expected at most %.3f; a damaged part?",
+                   evidence.rms_mm, 0.6 * tolerance_mm);
+  }
+  return {};
+}
+
+double score(const Evidence& evidence) {
+  const double value = evidence.coverage * (1.0 - 4.0 * evidence.violated) * (1.0 - 0.5 * evidence.continued);
+  return std::clamp(value, 0.0, 1.0);
+}
+
+}  // namespace beltpick::result
