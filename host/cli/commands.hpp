@@ -1,0 +1,18 @@
+// The commands of beltpick: each in the file of its name.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <functional>
+
+#include "session.hpp"
+
+namespace beltpick::cli {
+
+// What a command does once the command line is parsed. A failure is printed as one line; the program then exits with 1.
+using Run = std::function<Result<void>(Session&)>;
+
+// Adds a command's options to `app` and returns what it does. Every command calls example(); --json is there already.
+Run add_patterns(CLI::App& app);
+Run add_registers(CLI::App& app);
+
+}  // namespace beltpick::cli
