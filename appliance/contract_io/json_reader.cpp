@@ -205,6 +205,20 @@ JsonObject JsonObject::object(std::string_view member) {
   return {*document_, value, path(member)};
 }
 
+std::vector<std::string> JsonObject::texts(std::string_view member) {
+  std::vector<std::string> out;
+  const nlohmann::json* value = require(member, "an array of texts", false);
+  if (value == nullptr) return out;
+  const bool good =
+      value->is_array() && std::all_of(value->begin(), value->end(), [](const auto& v) { return v.is_string(); });
+  if (!good) {
+    fail(ResultCode::kFormatInvalid, member, "an array of texts", describe(*value));
+    return out;
+  }
+  for (const nlohmann::json& text : *value) out.push_back(text.get<std::string>());
+  return out;
+}
+
 std::vector<JsonObject> JsonObject::objects(std::string_view member) {
   std::vector<JsonObject> out;
   const nlohmann::json* value = require(member, "an array of objects", false);

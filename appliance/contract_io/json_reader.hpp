@@ -77,6 +77,9 @@ class JsonObject {
   // Numbers, row after row: rows x columns nested arrays, or one array of `columns` where rows is 0.
   std::vector<double> numbers(std::string_view member, int rows, int columns);
 
+  // Texts; required, perhaps none.
+  std::vector<std::string> texts(std::string_view member);
+
   JsonObject object(std::string_view member);
   // The members of an array of objects; empty after an error.
   std::vector<JsonObject> objects(std::string_view member);

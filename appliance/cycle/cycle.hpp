@@ -27,12 +27,12 @@ struct CycleConfig {
 
 // How a capture or the locating of one ended; `capture` is the number that the action gave, so that the report of one
 // that was aborted is known to be stale. `ended` false: nothing to report.
-struct CaptureReport {
+struct CaptureOutcome {
   bool ended = false;
   std::uint16_t capture = 0;
   ResultCode code = ResultCode::kOk;
 };
-struct LocateReport {
+struct LocateOutcome {
   bool ended = false;
   std::uint16_t capture = 0;
   ResultCode code = ResultCode::kOk;
@@ -52,8 +52,8 @@ struct CycleInputs {
   ResultCode model_code = ResultCode::kOk;   // why the active recipe cannot be run
   bool model_changed = false;                // since the last step
   bool workers_idle = true;                  // neither capture nor processing is still winding down
-  CaptureReport capture;
-  LocateReport locate;
+  CaptureOutcome capture;
+  LocateOutcome locate;
   std::uint16_t command = 0;  // a PlcCommand not yet answered; 0 none
   std::uint16_t command_argument = 0;
   bool recipe_known = false;  // whether command_argument numbers a recipe, for kSelectRecipe
@@ -63,7 +63,7 @@ enum class ActionKind : std::uint8_t {
   kStartCapture,     // number: the capture's
   kAbortCapture,     // number: the capture's; code: why
   kStartProcessing,  // number: the capture's
-  kOfferPart,        // part: index into LocateReport::parts; number: the offer's sequence number
+  kOfferPart,        // part: index into LocateOutcome::parts; number: the offer's sequence number
   kRevokeOffer,      // number: the offer's; code: why, kOk when the PLC has answered it
   kSwitchRecipe,     // number: the recipe's
   kAnswerCommand,    // number: the command; code: its result
