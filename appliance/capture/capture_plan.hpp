@@ -1,0 +1,40 @@
+// CapturePlan: what a recipe's sequence means for trigger and camera: the timing to arm, and what each frame must look
+// like. Made when a recipe is loaded, not per cycle.
+#pragma once
+
+#include <vector>
+
+#include "base/result.hpp"
+#include "contract/capture.hpp"
+#include "protocol/messages.hpp"
+
+namespace beltpick::capture {
+
+struct CaptureTiming {
+  double exposure_us = 8000;         // of frames whose spec gives none
+  std::uint32_t settle_us = 1000;    // projector advance to exposure
+  std::uint32_t readout_us = 12000;  // camera: end of an exposure to the next trigger
+  std::uint32_t period_us = 0;       // 0: the shortest that the others allow
+  std::uint32_t strobe_tolerance_us = 500;
+  std::uint16_t host_silence_ms = 500;
+};
+
+// What the checks may expect of one frame.
+struct FrameExpectation {
+  bool dark = false;            // projected black
+  bool fine = false;            // stripes narrow enough that any view holds bright and dark ones
+  bool same_as_before = false;  // the pattern of the frame before, again (an HDR repeat): not a duplicate
+  bool phase = false;
+};
+
+struct CapturePlan {
+  protocol::Arm timing;  // without its id
+  std::vector<FrameExpectation> frames;
+  std::int64_t duration_us = 0;  // START to DONE
+};
+
+// kLimitExceeded: more frames or more changes of exposure than the firmware holds. kValueOutOfRange: a timing that
+// cannot be run.
+Result<CapturePlan> make_plan(const Sequence& sequence, const CaptureTiming& timing);
+
+}  // namespace beltpick::capture

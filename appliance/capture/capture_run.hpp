@@ -1,0 +1,64 @@
+// CaptureRun: one capture from ARM to the last frame: starts the sequence, hands each frame to the fold as it arrives,
+// and ends with its own result code whatever goes wrong. Allocates nothing per capture.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+
+#include "base/arena.hpp"
+#include "base/image.hpp"
+#include "base/result.hpp"
+#include "capture/camera.hpp"
+#include "capture/capture_plan.hpp"
+#include "capture/frame_check.hpp"
+#include "capture/trigger_link.hpp"
+#include "contract/result_codes.hpp"
+
+namespace beltpick::capture {
+
+// Takes the frames of a capture, in the order of the sequence, within the thread that calls run(). After a failed
+// capture what was taken is void.
+class FrameSink {
+ public:
+  virtual ~FrameSink() = default;
+  virtual void take(int frame, ImageView<const std::uint8_t> image) = 0;
+};
+
+struct CaptureReport {
+  int frames = 0;
+  std::int64_t duration_us = 0;    // ARM to the last frame folded
+  std::int64_t last_frame_us = 0;  // monotonic_us() of the last frame's arrival: where "last frame -> pose" begins
+};
+
+class CaptureRun {
+ public:
+  // `max_frames`: the declared limit (Limits::frames); the check's samples come from the arena.
+  CaptureRun(Camera& camera, TriggerLink& trigger, int max_frames, Arena& arena);
+
+  // Runs one capture; blocks for its duration. `cancel` is looked at every few milliseconds: any code but kOk aborts
+  // the capture with that code (robot in view, belt moved by the register, emergency stop, timeout, clean stop). A
+  // firmware fault that is latched from before is cleared first: the cell's own fault latch is what a person
+  // acknowledges. After a failure the outputs of the trigger are safe and late frames are swallowed, so that the next
+  // run starts clean.
+  //
+  // Errors: kCameraLost, kCameraNotFound, kTriggerLost, kFrameMissing, kFrameIncomplete, kFrameWrongSize, kFrameBlack,
+  // kFrameDuplicated, kBeltMovedDuringCapture, kEmergencyStop, kCaptureTimeout, 200 + n, and whatever `cancel` said.
+  Result<CaptureReport> run(const CapturePlan& plan, FrameSink& sink, const std::atomic<ResultCode>& cancel);
+
+ private:
+  struct Progress;
+
+  Result<void> start(const CapturePlan& plan, Progress& progress);
+  Result<void> collect(const CapturePlan& plan, FrameSink& sink, const std::atomic<ResultCode>& cancel,
+                       Progress& progress);
+  Result<void> take_events(Progress& progress);
+  Result<void> take_frame(const Frame& frame, const CapturePlan& plan, FrameSink& sink, Progress& progress);
+  Result<void> look_around(const CapturePlan& plan, const std::atomic<ResultCode>& cancel, Progress& progress);
+  void recover(CameraLease& lease);
+
+  Camera& camera_;
+  TriggerLink& trigger_;
+  FrameCheck check_;
+};
+
+}  // namespace beltpick::capture
