@@ -96,7 +96,8 @@ function(beltpick_program name)
   target_link_libraries(${name} PRIVATE ${arg_LINKS} ${arg_PACKAGES} beltpick_warnings)
 endfunction()
 
-# Compiles sources with BELTPICK_KERNEL functions (base/kernel.hpp) for speed, with the same bits on every vector unit.
+# Compiles sources with BELTPICK_KERNEL functions (base/kernel.hpp) for speed, with the same bits on every vector unit:
+# errno and floating-point traps, which nobody reads, would only keep sqrt and comparisons from being vectorised.
 function(beltpick_kernel_sources)
-  set_source_files_properties(${ARGN} PROPERTIES COMPILE_OPTIONS "-O3;-ffp-contract=off")
+  set_source_files_properties(${ARGN} PROPERTIES COMPILE_OPTIONS "-O3;-ffp-contract=off;-fno-math-errno;-fno-trapping-math")
 endfunction()

@@ -15,13 +15,23 @@ namespace beltpick {
 // Why a pixel has no projector coordinate (or that it has one).
 enum class PixelState : std::uint8_t { kValid = 0, kDark, kSaturated, kLowModulation, kOrderUncertain, kEdge };
 
+// How uncertain a projector coordinate is: sigma_px^2 = floor_px^2 + (slope_px * sigma_I / modulation)^2, sigma_I the
+// noise of one grey level (base/camera_noise.hpp). Phase: slope = sqrt(2 / N) period / 2 pi; Gray cells: floor =
+// cell / sqrt(12).
+struct CodeNoise {
+  float floor_px = 0.0F;
+  float slope_px = 0.0F;
+};
+
 // decode -> range. Absolute projector coordinates; NaN where not measured or not coded.
 struct CodeImage {
-  ImageView<float> column_px;       // along projector rows, pixel centres at integers
+  ImageView<float> column_px;       // pixel centres at integers; empty view when the sequence does not code columns
   ImageView<float> row_px;          // empty view when the sequence does not code rows
   ImageView<float> modulation;      // amplitude of the fringe in grey levels of an 8-bit camera; higher is better
   ImageView<std::uint8_t> texture;  // the scene as under white light, 8 bit
   ImageView<PixelState> state;
+  CodeNoise column_noise;
+  CodeNoise row_noise;
 };
 
 // range -> segment and after. Camera frame, mm; z = 0 marks "not measured" (no measurement is NaN, nor is a gap).

@@ -1,0 +1,144 @@
+#include "decode/decoder.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "base/units.hpp"
+#include "contract/result_codes.hpp"
+
+namespace beltpick::decode {
+namespace {
+
+std::size_t pixel_count(const DecoderLimits& limits) {
+  return static_cast<std::size_t>(limits.rows) * static_cast<std::size_t>(limits.cols);
+}
+
+// Merges one axis of a row into the outputs.
+void write_axis(const AxisRow& axis, int cols, bool first, float* x_px, float* modulation, PixelState* state) {
+  constexpr float kNotMeasured = std::numeric_limits<float>::quiet_NaN();
+  for (int i = 0; i < cols; ++i) {
+    const auto at = static_cast<std::size_t>(i);
+    const bool valid = axis.state[at] == PixelState::kValid;
+    x_px[i] = valid ? axis.x_px[at] : kNotMeasured;
+    const bool other_valid = !first && state[i] == PixelState::kValid;
+    modulation[i] = valid && other_valid ? std::min(modulation[i], axis.amplitude8[at])
+                    : other_valid        ? modulation[i]
+                                         : axis.amplitude8[at];
+    state[i] = first || valid ? axis.state[at] : state[i];
+  }
+}
+
+}  // namespace
+
+DecoderLimits limits_for(const FoldPlan& plan, int rows, int cols, int pixel_bytes) {
+  return {rows, cols, plan.state_bytes(pixel_bytes), plan.codes(Axis::kColumn), plan.codes(Axis::kRow)};
+}
+
+Decoder::Decoder(Arena& arena, const DecoderLimits& limits) : limits_(limits) {
+  const std::size_t pixels = pixel_count(limits);
+  context_.store =
+      PlaneStore(arena.take<std::byte>("decode state", PlaneStore::bytes_for(pixels, limits.state_bytes)));
+  scratch_ = RowScratch(arena, limits.cols);
+  if (limits.codes_columns) column_px_ = arena.take<float>("code image", pixels);
+  if (limits.codes_rows) row_px_ = arena.take<float>("code image", pixels);
+  modulation_ = arena.take<float>("code image", pixels);
+  texture_ = arena.take<std::uint8_t>("code image", pixels);
+  state_ = arena.take<PixelState>("code image", pixels);
+}
+
+Result<void> Decoder::begin(const FoldPlan& plan, int rows, int cols, int pixel_bytes, int full_scale) {
+  if (cols > limits_.cols || rows > limits_.rows) {
+    return failure(ResultCode::kLimitExceeded, "images of %dx%d exceed the declared %dx%d", cols, rows, limits_.cols,
+                   limits_.rows);
+  }
+  if (plan.state_bytes(pixel_bytes) > limits_.state_bytes ||
+      !context_.store.place(plan, rows, cols, pixel_bytes)) {
+    return failure(ResultCode::kLimitExceeded, "the sequence needs %d bytes a pixel to decode; declared are %d",
+                   plan.state_bytes(pixel_bytes), limits_.state_bytes);
+  }
+  if ((plan.codes(Axis::kColumn) && !limits_.codes_columns) || (plan.codes(Axis::kRow) && !limits_.codes_rows)) {
+    return failure(ResultCode::kLimitExceeded, "the sequence codes an axis that the declared limits leave out");
+  }
+  context_.plan = &plan;
+  context_.cols = cols;
+  context_.full_scale = full_scale;
+  rows_ = rows;
+  pixel_bytes_ = pixel_bytes;
+  next_frame_ = 0;
+  return {};
+}
+
+template <class Pixel>
+Result<void> Decoder::fold_any(int index, ImageView<const Pixel> image) {
+  if (image.rows != rows_ || image.cols != context_.cols || sizeof(Pixel) != static_cast<std::size_t>(pixel_bytes_)) {
+    return failure(ResultCode::kFrameWrongSize, "frame %d: expected %dx%d of %d bits, found %dx%d of %d bits", index,
+                   context_.cols, rows_, 8 * pixel_bytes_, image.cols, image.rows, 8 * static_cast<int>(sizeof(Pixel)));
+  }
+  if (index != next_frame_ || index >= static_cast<int>(context_.plan->frames.size())) {
+    return failure(index < next_frame_ ? ResultCode::kFrameDuplicated : ResultCode::kFrameMissing,
+                   "expected frame %d of the sequence, found frame %d", next_frame_, index);
+  }
+  const FrameWork& work = context_.plan->frames[static_cast<std::size_t>(index)];
+  for (int row = 0; row < rows_; ++row) fold_row(context_, work, image.row(row), row);
+  ++next_frame_;
+  return {};
+}
+
+Result<void> Decoder::fold(int index, ImageView<const std::uint8_t> image) { return fold_any(index, image); }
+Result<void> Decoder::fold(int index, ImageView<const std::uint16_t> image) { return fold_any(index, image); }
+
+void Decoder::write_row(int row) {
+  const std::size_t at = static_cast<std::size_t>(row) * static_cast<std::size_t>(context_.cols);
+  bool first = true;
+  for (const Axis axis : {Axis::kColumn, Axis::kRow}) {
+    if (!context_.plan->codes(axis)) continue;
+    const std::span<float> out = axis == Axis::kColumn ? column_px_ : row_px_;
+    write_axis(scratch_.best[static_cast<std::size_t>(axis)], context_.cols, first, &out[at], &modulation_[at],
+               &state_[at]);
+    first = false;
+  }
+}
+
+CodeNoise Decoder::noise(Axis axis) const {
+  const AxisPlan& planned = context_.plan->exposures.front().axes[static_cast<std::size_t>(axis)];
+  if (planned.method == Method::kNotCoded) return {};
+  if (planned.method == Method::kGrayOnly) {
+    const GrayCode& code = context_.plan->grays[static_cast<std::size_t>(planned.gray)];
+    return {.floor_px = static_cast<float>(code.cell_px / std::sqrt(12.0)), .slope_px = 0.0F};
+  }
+  const PhaseChannel& finest = context_.plan->channels[static_cast<std::size_t>(planned.channels.front())];
+  return {.floor_px = 0.0F, .slope_px = static_cast<float>(finest.noise_gain * finest.period_px / (2.0 * kPi))};
+}
+
+CodeImage Decoder::output() const {
+  const auto view = [&](auto memory) { return ImageView(memory.data(), rows_, context_.cols); };
+  CodeImage code;
+  if (context_.plan->codes(Axis::kColumn)) code.column_px = view(column_px_);
+  if (context_.plan->codes(Axis::kRow)) code.row_px = view(row_px_);
+  code.modulation = view(modulation_);
+  code.texture = view(texture_);
+  code.state = view(state_);
+  code.column_noise = noise(Axis::kColumn);
+  code.row_noise = noise(Axis::kRow);
+  return code;
+}
+
+Result<CodeImage> Decoder::finish() {
+  const auto frames = static_cast<int>(context_.plan->frames.size());
+  if (next_frame_ != frames) {
+    return failure(ResultCode::kFrameMissing, "the capture ended after %d of %d frames", next_frame_, frames);
+  }
+  for (int row = 0; row < rows_; ++row) {
+    std::uint8_t* texture = &texture_[static_cast<std::size_t>(row) * static_cast<std::size_t>(context_.cols)];
+    if (pixel_bytes_ == 1) {
+      finish_row<std::uint8_t>(context_, scratch_, row, texture);
+    } else {
+      finish_row<std::uint16_t>(context_, scratch_, row, texture);
+    }
+    write_row(row);
+  }
+  return output();
+}
+
+}  // namespace beltpick::decode

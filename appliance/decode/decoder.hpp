@@ -1,0 +1,63 @@
+// Decoder: folds the frames of a capture, as they arrive, into a fixed per-pixel state, and finishes it to absolute
+// projector coordinates. Allocates nothing after construction.
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "base/arena.hpp"
+#include "base/image.hpp"
+#include "base/result.hpp"
+#include "base/stages.hpp"
+#include "decode/plan.hpp"
+#include "decode/row_decoder.hpp"
+
+namespace beltpick::decode {
+
+// What a decoder has room for.
+struct DecoderLimits {
+  int rows = 0;
+  int cols = 0;
+  int state_bytes = 16;      // a pixel; see FoldPlan::state_bytes
+  bool codes_columns = true;  // the axes that sequences may code
+  bool codes_rows = false;
+};
+
+// The limits that just hold `plan` for a camera of this size.
+DecoderLimits limits_for(const FoldPlan& plan, int rows, int cols, int pixel_bytes);
+
+class Decoder {
+ public:
+  Decoder(Arena& arena, const DecoderLimits& limits);
+
+  // Starts a capture of rows x cols pixels of pixel_bytes (1 or 2) each; full_scale > 0 is the level at which the
+  // camera saturates. `plan` must outlive the capture. Error: kLimitExceeded.
+  Result<void> begin(const FoldPlan& plan, int rows, int cols, int pixel_bytes, int full_scale);
+
+  // Folds frame `index` of the sequence; the frames come in the sequence's order. Errors: kFrameWrongSize;
+  // kFrameMissing or kFrameDuplicated where the index is not the next one.
+  Result<void> fold(int index, ImageView<const std::uint8_t> image);
+  Result<void> fold(int index, ImageView<const std::uint16_t> image);
+
+  // The views stay good until the next begin(). Error: kFrameMissing.
+  Result<CodeImage> finish();
+
+ private:
+  template <class Pixel>
+  Result<void> fold_any(int index, ImageView<const Pixel> image);
+  void write_row(int row);
+  [[nodiscard]] CodeImage output() const;
+  [[nodiscard]] CodeNoise noise(Axis axis) const;
+
+  DecoderLimits limits_;
+  RowContext context_;
+  RowScratch scratch_;
+  std::span<float> column_px_, row_px_, modulation_;
+  std::span<std::uint8_t> texture_;
+  std::span<PixelState> state_;
+  int rows_ = 0;
+  int pixel_bytes_ = 1;
+  int next_frame_ = 0;
+};
+
+}  // namespace beltpick::decode

@@ -1,0 +1,202 @@
+#include "decode/finish_kernels.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/camera_noise.hpp"
+#include "base/kernel.hpp"
+
+namespace beltpick::decode {
+namespace {
+
+#define BELTPICK_INLINE [[gnu::always_inline]] inline
+
+// atan(r) / 2 pi for r in [0, 1]: Abramowitz and Stegun 4.4.49 (error below 2e-8 rad) over 2 pi.
+BELTPICK_INLINE float octant_turns(float r) {
+  constexpr float kTurn = 0.15915494309F;
+  const float q = r * r;
+  float p = 0.0028662257F;
+  p = p * q - 0.0161657367F;
+  p = p * q + 0.0429096138F;
+  p = p * q - 0.0752896400F;
+  p = p * q + 0.1065626393F;
+  p = p * q - 0.1420889944F;
+  p = p * q + 0.1999355085F;
+  p = p * q - 0.3333314528F;
+  p = p * q + 1.0F;
+  return p * r * kTurn;
+}
+
+BELTPICK_INLINE float turns(float sine, float cosine) {
+  const float s = std::fabs(sine);
+  const float c = std::fabs(cosine);
+  const float larger = std::max(s, c);
+  const float smaller = std::min(s, c);
+  float t = octant_turns(smaller / std::max(larger, 1e-20F));
+  t = s > c ? 0.25F - t : t;
+  t = cosine < 0.0F ? 0.5F - t : t;
+  return sine < 0.0F ? -t : t;
+}
+
+template <class Sum>
+BELTPICK_INLINE void fringe(const Sum* cosine, const Sum* sine, int count, float scale, float* turn,
+                            float* amplitude8) {
+  for (int i = 0; i < count; ++i) {
+    const auto c = static_cast<float>(cosine[i]);
+    const auto s = static_cast<float>(sine[i]);
+    turn[i] = turns(s, c);
+    amplitude8[i] = std::sqrt(c * c + s * s) * scale;
+  }
+}
+
+template <class Pixel>
+BELTPICK_INLINE void levels_between(const Pixel* white, const Pixel* black, int count, float scale, float* mean8,
+                                    float* half8) {
+  const float half = 0.5F * scale;
+  for (int i = 0; i < count; ++i) {
+    mean8[i] = (static_cast<float>(white[i]) + static_cast<float>(black[i])) * half;
+    half8[i] = (static_cast<float>(white[i]) - static_cast<float>(black[i])) * half;
+  }
+}
+
+template <class Sum>
+BELTPICK_INLINE void levels_of_mean(const Sum* mean, int count, float scale, float* mean8, float* half8) {
+  for (int i = 0; i < count; ++i) mean8[i] = half8[i] = static_cast<float>(mean[i]) * scale;
+}
+
+BELTPICK_INLINE std::uint8_t level_byte(float level8) {
+  return static_cast<std::uint8_t>(static_cast<int>(std::min(level8, 255.0F) + 0.5F));
+}
+
+template <class Pixel>
+BELTPICK_INLINE void texture_of(const Pixel* white, int count, float scale, std::uint8_t* texture) {
+  for (int i = 0; i < count; ++i) texture[i] = level_byte(static_cast<float>(white[i]) * scale);
+}
+
+// The number whose reflected code is `gray`.
+BELTPICK_INLINE int binary_from_gray(int gray) {
+  int binary = gray ^ (gray >> 8);
+  binary ^= binary >> 4;
+  binary ^= binary >> 2;
+  return binary ^ (binary >> 1);
+}
+
+// The one Gray bit that changes at the left border of a cell; 0 for the first cell.
+BELTPICK_INLINE int border_bit(int cell) { return cell & -cell; }
+
+}  // namespace
+
+BELTPICK_KERNEL
+void fringe_row(const std::int16_t* cosine, const std::int16_t* sine, int count, float scale, float* turn,
+                float* amplitude8) {
+  fringe(cosine, sine, count, scale, turn, amplitude8);
+}
+BELTPICK_KERNEL
+void fringe_row(const float* cosine, const float* sine, int count, float scale, float* turn, float* amplitude8) {
+  fringe(cosine, sine, count, scale, turn, amplitude8);
+}
+
+BELTPICK_KERNEL
+void levels_row(const std::uint8_t* white, const std::uint8_t* black, int count, float scale, float* mean8,
+                float* half8) {
+  levels_between(white, black, count, scale, mean8, half8);
+}
+BELTPICK_KERNEL
+void levels_row(const std::uint16_t* white, const std::uint16_t* black, int count, float scale, float* mean8,
+                float* half8) {
+  levels_between(white, black, count, scale, mean8, half8);
+}
+BELTPICK_KERNEL
+void levels_row(const std::uint16_t* mean, int count, float scale, float* mean8, float* half8) {
+  levels_of_mean(mean, count, scale, mean8, half8);
+}
+BELTPICK_KERNEL
+void levels_row(const float* mean, int count, float scale, float* mean8, float* half8) {
+  levels_of_mean(mean, count, scale, mean8, half8);
+}
+
+BELTPICK_KERNEL
+void texture_row(const std::uint8_t* white, int count, float scale, std::uint8_t* texture) {
+  texture_of(white, count, scale, texture);
+}
+BELTPICK_KERNEL
+void texture_row(const std::uint16_t* white, int count, float scale, std::uint8_t* texture) {
+  texture_of(white, count, scale, texture);
+}
+BELTPICK_KERNEL
+void texture_row(const float* mean8, const float* amplitude8, int count, std::uint8_t* texture) {
+  for (int i = 0; i < count; ++i) texture[i] = level_byte(mean8[i] + amplitude8[i]);
+}
+
+BELTPICK_KERNEL
+void gray_only_row(const std::uint16_t* code, const std::uint16_t* weak, int count, const CellRule& rule, float* x_px,
+                   std::uint8_t* order_safe) {
+  const float cell_px = rule.cell_px;
+  const float end_px = rule.extent_px - 0.5F;
+  const int cells = rule.cells;
+  for (int i = 0; i < count; ++i) {
+    const int cell = binary_from_gray(code[i]);
+    const float left_px = static_cast<float>(cell) * cell_px - 0.5F;
+    x_px[i] = 0.5F * (left_px + std::min(left_px + cell_px, end_px));
+    const int far = weak[i] & ~(border_bit(cell) | border_bit(cell + 1));
+    order_safe[i] = static_cast<std::uint8_t>((far == 0) & (cell < cells));
+  }
+}
+
+BELTPICK_KERNEL
+void gray_phase_row(const float* turn, const std::uint16_t* code, const std::uint16_t* weak, int count,
+                    const CellRule& rule, float* x_px, std::uint8_t* order_safe) {
+  const float cell_px = rule.cell_px;
+  const float period_px = rule.period_px;
+  const float per_period = 1.0F / period_px;
+  const float guard_px = rule.guard_px;
+  const float first_px = -0.5F;
+  const float last_px = std::nextafter(rule.extent_px - 0.5F, 0.0F);
+  const float quarter_px = rule.repair ? 0.25F * period_px : period_px;
+  const int cells = rule.cells;
+  for (int i = 0; i < count; ++i) {
+    const int cell = binary_from_gray(code[i]);
+    const int left = border_bit(cell) & weak[i];
+    const int right = border_bit(cell + 1) & weak[i];
+    const float centre_px = (static_cast<float>(cell) + 0.5F) * cell_px - 0.5F;
+    const float wrapped_px = turn[i] * period_px;
+    // Orders are -1 or more: adding 2 makes the cut a floor.
+    const int order = static_cast<int>((centre_px - wrapped_px) * per_period + 2.5F) - 2;
+    float x = wrapped_px + static_cast<float>(order) * period_px;
+    const float offset_px = x - centre_px;
+    const bool slipped_left = (left != 0) & (right == 0) & (offset_px > quarter_px);
+    const bool slipped_right = (right != 0) & (left == 0) & (offset_px < -quarter_px);
+    x += slipped_left ? -period_px : 0.0F;
+    x += slipped_right ? period_px : 0.0F;
+    const bool undecided = (left != 0) & (right != 0) & (std::fabs(offset_px) > quarter_px);
+    const float inside_px = std::min(std::max(x, first_px), last_px);
+    const bool safe = ((weak[i] & ~(left | right)) == 0) & (cell < cells) & !undecided &
+                      (std::fabs(offset_px) <= guard_px) & (std::fabs(x - inside_px) <= 1.0F);
+    x_px[i] = inside_px;
+    order_safe[i] = safe ? 1 : 0;
+  }
+}
+
+BELTPICK_KERNEL
+void state_row(const float* amplitude8, const float* mean8, const float* half8, const std::uint8_t* order_safe,
+               int count, const StateRule& rule, PixelState* state) {
+  const float factor = rule.least_sigmas * rule.noise_gain * (rule.least_sigmas * rule.noise_gain);
+  for (int i = 0; i < count; ++i) {
+    const float least = factor * (kCameraNoise.floor_variance + kCameraNoise.shot_variance_per_level * mean8[i]);
+    const bool bright = half8[i] > 0.0F && half8[i] * half8[i] >= least;
+    const bool modulated = amplitude8[i] > 0.0F && amplitude8[i] * amplitude8[i] >= least;
+    const auto weak = static_cast<int>(bright ? PixelState::kLowModulation : PixelState::kDark);
+    const auto order = static_cast<int>(order_safe[i] != 0 ? PixelState::kValid : PixelState::kOrderUncertain);
+    state[i] = static_cast<PixelState>(modulated ? order : weak);
+  }
+}
+
+BELTPICK_KERNEL
+void mark_saturated_row(const std::uint8_t* flags, int count, std::uint8_t bit, PixelState* state) {
+  for (int i = 0; i < count; ++i) {
+    const auto value = static_cast<int>(state[i]);
+    state[i] = static_cast<PixelState>((flags[i] & bit) != 0 ? static_cast<int>(PixelState::kSaturated) : value);
+  }
+}
+
+}  // namespace beltpick::decode

@@ -1,0 +1,59 @@
+// What finishing does to one row of pixels: fringes to phase and amplitude, Gray bits to cells, both to coordinates.
+// Internal to decode. "level8": grey levels scaled to 0..255.
+#pragma once
+
+#include <cstdint>
+
+#include "base/stages.hpp"
+
+namespace beltpick::decode {
+
+// turn = atan2(sine, cosine) / 2 pi in [-0.5, 0.5] (error below 1e-7 turns); amplitude8 = |(cosine, sine)| * scale.
+void fringe_row(const std::int16_t* cosine, const std::int16_t* sine, int count, float scale, float* turn,
+                float* amplitude8);
+void fringe_row(const float* cosine, const float* sine, int count, float scale, float* turn, float* amplitude8);
+
+// mean8 = (white + black) / 2 * scale, half8 = (white - black) / 2 * scale.
+void levels_row(const std::uint8_t* white, const std::uint8_t* black, int count, float scale, float* mean8,
+                float* half8);
+void levels_row(const std::uint16_t* white, const std::uint16_t* black, int count, float scale, float* mean8,
+                float* half8);
+// mean8 = half8 = mean * scale: what is known without a white and a black frame.
+void levels_row(const std::uint16_t* mean, int count, float scale, float* mean8, float* half8);
+void levels_row(const float* mean, int count, float scale, float* mean8, float* half8);
+
+void texture_row(const std::uint8_t* white, int count, float scale, std::uint8_t* texture);
+void texture_row(const std::uint16_t* white, int count, float scale, std::uint8_t* texture);
+// texture = mean8 + amplitude8.
+void texture_row(const float* mean8, const float* amplitude8, int count, std::uint8_t* texture);
+
+struct CellRule {
+  float cell_px = 1.0F;
+  int cells = 0;
+  float extent_px = 0.0F;
+  float period_px = 0.0F;  // of the fringe; unused without one
+  float guard_px = 0.0F;   // further from the cell's centre than this, Gray code and phase contradict each other
+  bool repair = false;     // the cell is about as wide as the period: let the weak bit say at which border a pixel is
+};
+
+// Centre of the Gray cell, cut at the extent. order_safe = 0 where a weak bit might mean another than the next cell,
+// or the cell lies beyond the extent.
+void gray_only_row(const std::uint16_t* code, const std::uint16_t* weak, int count, const CellRule& rule, float* x_px,
+                   std::uint8_t* order_safe);
+
+// The fringe order is the one that puts the phase nearest to the cell's centre; x in [-0.5, extent - 0.5).
+// order_safe = 0 as above, and where the phase contradicts the cell.
+void gray_phase_row(const float* turn, const std::uint16_t* code, const std::uint16_t* weak, int count,
+                    const CellRule& rule, float* x_px, std::uint8_t* order_safe);
+
+// Amplitudes below `least_sigmas` of their noise are not measured; the noise is noise_gain times that of one grey level.
+struct StateRule {
+  float least_sigmas = 1.0F;
+  float noise_gain = 1.0F;
+};
+void state_row(const float* amplitude8, const float* mean8, const float* half8, const std::uint8_t* order_safe,
+               int count, const StateRule& rule, PixelState* state);
+// kSaturated where flags has the bit.
+void mark_saturated_row(const std::uint8_t* flags, int count, std::uint8_t bit, PixelState* state);
+
+}  // namespace beltpick::decode

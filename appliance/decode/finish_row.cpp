@@ -1,0 +1,175 @@
+#include <algorithm>
+
+#include "decode/finish_kernels.hpp"
+#include "decode/gray_rows.hpp"
+#include "decode/order_search.hpp"
+#include "decode/row_decoder.hpp"
+
+namespace beltpick::decode {
+namespace {
+
+// Five standard deviations of phase noise stay within the eighth of a period that a complementary Gray code leaves
+// between a border of its cells and the phase that would contradict it: amplitude / noise >= 5 / (pi / 4).
+constexpr float kLeastPhaseSigmas = 6.4F;
+// A bright and a dark Gray stripe lie this many standard deviations from their threshold: one in 100,000 is misread.
+constexpr float kLeastGraySigmas = 4.4F;
+
+AxisRow take_axis_row(Arena& arena, std::size_t cols) {
+  return {arena.take<float>("decode scratch", cols), arena.take<float>("decode scratch", cols),
+          arena.take<PixelState>("decode scratch", cols)};
+}
+
+// Brings the Gray bits of a row into scratch: those resolved on arrival, and those that waited.
+template <class Pixel>
+void gather_gray(const RowContext& context, const GrayCode& code, RowScratch& scratch, int row) {
+  std::uint16_t* bits = scratch.code.data();
+  std::uint16_t* weak = scratch.weak.data();
+  if (code.code_plane != kNone) {
+    std::copy_n(context.store.row<std::uint16_t>(code.code_plane, row), context.cols, bits);
+    std::copy_n(context.store.row<std::uint16_t>(code.weak_plane, row), context.cols, weak);
+  }
+  bool first = code.code_plane == kNone;
+  for (int b = 0; b < static_cast<int>(code.bits.size()); ++b) {
+    const GrayBit& bit = code.bits[static_cast<std::size_t>(b)];
+    if (bit.raw_plane == kNone) continue;
+    const ResolveBit work{.gray = 0, .bit = b, .inverted = bit.frame == kNone, .first = first};
+    resolve_bit_row(context, code, work, context.store.row<const Pixel>(bit.raw_plane, row), row, bits, weak);
+    first = false;
+  }
+}
+
+// How bright a row is on average and how far white stands above it.
+template <class Pixel>
+void gather_levels(const RowContext& context, const Reference& reference, RowScratch& scratch, int row) {
+  const float scale = reference.scale * context.to_level8();
+  float* mean8 = scratch.mean8.data();
+  float* half8 = scratch.half8.data();
+  if (reference.mean_channel != kNone) {
+    const PhaseChannel& fringes = context.plan->channels[static_cast<std::size_t>(reference.mean_channel)];
+    levels_row(context.store.row<const MeanOf<Pixel>>(fringes.mean_plane, row), context.cols,
+               context.to_level8() / static_cast<float>(fringes.frames), mean8, half8);
+    return;
+  }
+  levels_row(context.store.row<const Pixel>(reference.white_plane, row),
+             context.store.row<const Pixel>(reference.black_plane, row), context.cols, scale, mean8, half8);
+}
+
+template <class Pixel>
+void gather_fringe(const RowContext& context, int channel, std::span<float> turn, std::span<float> amplitude8,
+                   int row) {
+  using Sum = std::conditional_t<sizeof(Pixel) == 1, std::int16_t, float>;
+  const PhaseChannel& fringes = context.plan->channels[static_cast<std::size_t>(channel)];
+  const double levels_per_count = sizeof(Pixel) == 1 ? 1.0 / fringes.counts_per_level : 1.0;
+  fringe_row(context.store.row<const Sum>(fringes.cosine_plane, row),
+             context.store.row<const Sum>(fringes.sine_plane, row), context.cols,
+             static_cast<float>(levels_per_count) * context.to_level8(), turn.data(), amplitude8.data());
+}
+
+CellRule cell_rule(const GrayCode& code, const AxisPlan& axis, double period_px) {
+  const bool repair = code.weak_fraction > 0.0F;
+  const double guard_px = repair ? period_px : 0.25 * (code.cell_px + period_px);
+  return {static_cast<float>(code.cell_px),     code.cells,
+          static_cast<float>(axis.extent_px),   static_cast<float>(period_px),
+          static_cast<float>(guard_px), repair};
+}
+
+// Decodes one axis of one exposure into scratch.current.
+template <class Pixel>
+void decode_axis(const RowContext& context, const ExposurePlan& exposure, const AxisPlan& axis, RowScratch& scratch,
+                 int row) {
+  const int cols = context.cols;
+  AxisRow& out = scratch.current;
+  for (std::size_t c = 0; c < axis.channels.size(); ++c) {
+    gather_fringe<Pixel>(context, axis.channels[c], scratch.turn[c], scratch.amplitude8[c], row);
+  }
+  const GrayCode* code = axis.gray == kNone ? nullptr : &context.plan->grays[static_cast<std::size_t>(axis.gray)];
+  if (code != nullptr) gather_gray<Pixel>(context, *code, scratch, row);
+
+  StateRule rule{.least_sigmas = kLeastGraySigmas, .noise_gain = 1.2247F};
+  std::span<const float> amplitude8 = scratch.half8;
+  if (axis.method != Method::kGrayOnly) {
+    const PhaseChannel& finest = context.plan->channels[static_cast<std::size_t>(axis.channels[0])];
+    rule = {.least_sigmas = kLeastPhaseSigmas, .noise_gain = static_cast<float>(finest.noise_gain)};
+    amplitude8 = scratch.amplitude8[0];
+    if (axis.method == Method::kGrayPhase) {
+      gray_phase_row(scratch.turn[0].data(), scratch.code.data(), scratch.weak.data(), cols,
+                     cell_rule(*code, axis, finest.period_px), out.x_px.data(), scratch.order_safe.data());
+    } else {
+      order_search_row(*context.plan, axis, code, scratch, cols);
+    }
+  } else {
+    gray_only_row(scratch.code.data(), scratch.weak.data(), cols, cell_rule(*code, axis, code->cell_px),
+                  out.x_px.data(), scratch.order_safe.data());
+  }
+  std::copy_n(amplitude8.data(), cols, out.amplitude8.data());
+  state_row(amplitude8.data(), scratch.mean8.data(), scratch.half8.data(), scratch.order_safe.data(), cols, rule,
+            out.state.data());
+  if (axis.method != Method::kGrayOnly) {
+    mark_saturated_row(context.store.row<const std::uint8_t>(context.plan->flags_plane, row), cols,
+                       exposure.saturation_bit, out.state.data());
+  }
+}
+
+// Takes over the pixels that the current exposure measured better.
+void keep_better(const AxisRow& current, const AxisRow& best, int cols) {
+  for (std::size_t i = 0; i < static_cast<std::size_t>(cols); ++i) {
+    const bool valid = current.state[i] == PixelState::kValid;
+    const bool best_valid = best.state[i] == PixelState::kValid;
+    if (valid < best_valid || (valid == best_valid && current.amplitude8[i] <= best.amplitude8[i])) continue;
+    best.x_px[i] = current.x_px[i];
+    best.amplitude8[i] = current.amplitude8[i];
+    best.state[i] = current.state[i];
+  }
+}
+
+template <class Pixel>
+void make_texture(const RowContext& context, const ExposurePlan& exposure, RowScratch& scratch, int row,
+                  std::uint8_t* texture) {
+  if (exposure.reference.white_plane != kNone) {
+    texture_row(context.store.row<const Pixel>(exposure.reference.white_plane, row), context.cols,
+                exposure.reference.scale * context.to_level8(), texture);
+    return;
+  }
+  gather_levels<Pixel>(context, exposure.reference, scratch, row);
+  gather_fringe<Pixel>(context, exposure.reference.mean_channel, scratch.turn[0], scratch.amplitude8[0], row);
+  texture_row(scratch.mean8.data(), scratch.amplitude8[0].data(), context.cols, texture);
+}
+
+}  // namespace
+
+RowScratch::RowScratch(Arena& arena, int cols) {
+  const auto count = static_cast<std::size_t>(cols);
+  for (auto& row : turn) row = arena.take<float>("decode scratch", count);
+  for (auto& row : amplitude8) row = arena.take<float>("decode scratch", count);
+  mean8 = arena.take<float>("decode scratch", count);
+  half8 = arena.take<float>("decode scratch", count);
+  code = arena.take<std::uint16_t>("decode scratch", count);
+  weak = arena.take<std::uint16_t>("decode scratch", count);
+  order_safe = arena.take<std::uint8_t>("decode scratch", count);
+  current = take_axis_row(arena, count);
+  for (AxisRow& row : best) row = take_axis_row(arena, count);
+}
+
+template <class Pixel>
+void finish_row(const RowContext& context, RowScratch& scratch, int row, std::uint8_t* texture) {
+  const auto& exposures = context.plan->exposures;
+  for (std::size_t e = 0; e < exposures.size(); ++e) {
+    gather_levels<Pixel>(context, exposures[e].reference, scratch, row);
+    for (std::size_t a = 0; a < 2; ++a) {
+      const AxisPlan& axis = exposures[e].axes[a];
+      if (axis.method == Method::kNotCoded) continue;
+      decode_axis<Pixel>(context, exposures[e], axis, scratch, row);
+      if (e == 0) {
+        std::swap(scratch.current, scratch.best[a]);
+      } else {
+        keep_better(scratch.current, scratch.best[a], context.cols);
+      }
+    }
+  }
+  make_texture<Pixel>(context, exposures[exposures.size() / 2], scratch, row, texture);
+}
+
+template void finish_row<std::uint8_t>(const RowContext&, RowScratch&, int, std::uint8_t*);
+template void finish_row<std::uint16_t>(const RowContext&, RowScratch&, int, std::uint8_t*);
+
+}  // namespace beltpick::decode

@@ -1,0 +1,36 @@
+#include "decode/plan.hpp"
+
+#include "contract/result_codes.hpp"
+#include "decode/plan_builder.hpp"
+
+namespace beltpick::decode {
+
+int plane_bytes(PlaneKind kind, int pixel_bytes) {
+  switch (kind) {
+    case PlaneKind::kSum:
+    case PlaneKind::kMean:
+      return 2 * pixel_bytes;
+    case PlaneKind::kRaw:
+      return pixel_bytes;
+    case PlaneKind::kBits:
+      return 2;
+    case PlaneKind::kFlags:
+      return 1;
+  }
+  return 0;
+}
+
+int FoldPlan::state_bytes(int pixel_bytes) const {
+  int bytes = 0;
+  for (const PlaneKind kind : planes) bytes += plane_bytes(kind, pixel_bytes);
+  return bytes;
+}
+
+Result<FoldPlan> make_fold_plan(const Sequence& sequence) {
+  if (sequence.frames.empty()) return failure(ResultCode::kSequenceUndecodable, "the sequence has no frames");
+  auto ranks = rank_exposures(sequence);
+  if (!ranks) return std::unexpected(ranks.error());
+  return PlanBuilder(sequence, std::move(*ranks)).build();
+}
+
+}  // namespace beltpick::decode
