@@ -36,6 +36,9 @@ class Drawing {
   [[nodiscard]] int factor() const { return factor_; }
   [[nodiscard]] int row_px() const { return row_px_; }
   [[nodiscard]] int column_px() const { return column_px_; }
+  [[nodiscard]] Region region() const {
+    return {row_px_, row_px_ + depth_.rows * factor_, column_px_, column_px_ + depth_.cols * factor_};
+  }
 
  private:
   struct Projected {

@@ -112,12 +112,14 @@ double first_impression(const PartModel& model, const PartPose& T_camera_part, c
   const Eigen::Matrix3f rotation = T_camera_part.rotation.cast<float>();
   const Vec3f translation = T_camera_part.translation_mm.cast<float>();
   const Tolerance tolerance{static_cast<float>(tolerance_mm), static_cast<float>(2.0 * tolerance_mm)};
-  int judged = 0, matched = 0, violated = 0;
+  int judged = 0, unjudged = 0, matched = 0, violated = 0;
   for (const std::uint16_t index : model.scattered) {
     const OrientedPoint& surface = model.surface[index];
     const Vec3f point = rotation * surface.point_mm + translation;
     const Vec3f normal = rotation * surface.normal;
-    if (normal.dot(point) > -0.2F * point.norm() || !in_field(scene.lens, point.cast<double>())) continue;
+    if (normal.dot(point) > -0.2F * point.norm()) continue;
+    ++unjudged;
+    if (!in_field(scene.lens, point.cast<double>())) continue;
     const PixelPosition at = project(scene.lens, point.cast<double>());
     const int row = static_cast<int>(std::lround(at.row_px));
     const int col = static_cast<int>(std::lround(at.column_px));
@@ -125,10 +127,11 @@ double first_impression(const PartModel& model, const PartPose& T_camera_part, c
     const Finding finding = compare(scene.range.point_mm(row, col), point, normal, tolerance);
     if (finding == Finding::kOccluded) continue;
     ++judged;
+    --unjudged;
     matched += finding == Finding::kMatched ? 1 : 0;
     violated += finding == Finding::kViolated ? 1 : 0;
   }
-  return judged == 0 ? -2.0 : (matched - 2.0 * violated) / judged;
+  return judged == 0 ? -2.0 : (matched - 2.0 * violated) / (judged + 0.5 * unjudged);
 }
 
 }  // namespace beltpick::result

@@ -28,9 +28,6 @@ struct Rival {
 
 // Counts, over the measured pixels of objects in the image region (inclusive, every `step`-th row and column), what
 // lies on the surface of either. The tolerance is that of each model's spacing.
-struct Region {
-  int row_min, row_max, col_min, col_max;
-};
 Rivalry compare(const Rival& first, const Rival& second, const Scene& scene, const Region& region, int step);
 
 // Whether the first pose is to be believed against the second: enough places speak for it, and few against.

@@ -19,6 +19,11 @@ struct Scene {
   double noise_mm = 0.05;                 // typical standard deviation of a measured point
 };
 
+// A rectangle of pixels, inclusive; may reach beyond the image.
+struct Region {
+  int row_min = 0, row_max = -1, col_min = 0, col_max = -1;
+};
+
 // How far a measured point may lie from the surface it is said to belong to: four standard deviations of its noise, and
 // what a sampled template is off by between its points (the sagitta of a spacing on a radius of a few spacings).
 inline double surface_tolerance_mm(const Scene& scene, double spacing_mm) {

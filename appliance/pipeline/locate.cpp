@@ -1,0 +1,194 @@
+#include "pipeline/locate.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+#include "base/clock.hpp"
+#include "contract/result_codes.hpp"
+#include "pipeline/noise.hpp"
+#include "result/grasp_choice.hpp"
+#include "result/rivalry.hpp"
+#include "result/verdict.hpp"
+
+namespace beltpick::pipeline {
+namespace {
+
+// Parts lean on one another a few deep; each round uncovers at least one.
+constexpr int kRounds = 4;
+// Pieces of one part lie no farther apart than this share of its size.
+constexpr double kFragmentReachShare = 0.12;
+// Less than this share of the smallest view of the smallest part is not searched by itself.
+constexpr double kLeastViewShare = 0.08;
+// A gripper or a picked part may drag what lies nearer than this.
+constexpr float kTouch_mm = 4.0F;
+
+double least_area_mm2(std::span<const PartModel> models) {
+  float least = std::numeric_limits<float>::max();
+  for (const PartModel& model : models) {
+    for (const PartView& view : model.views) least = std::min(least, view.seen_area);
+  }
+  return kLeastViewShare * static_cast<double>(least);
+}
+
+double fragment_reach_mm(std::span<const PartModel> models) {
+  double largest = 0.0;
+  for (const PartModel& model : models) largest = std::max(largest, model.diagonal_mm);
+  return kFragmentReachShare * largest;
+}
+
+}  // namespace
+
+Locator::Locator(Arena& arena, const Limits& limits, int workers)
+    : book_(arena, limits),
+      drawing_(arena, limits),
+      attempts_(arena.take<Attempt>("locate: results", static_cast<std::size_t>(limits.segments))),
+      accepted_(arena.take<Accepted>("locate: results", static_cast<std::size_t>(limits.parts))),
+      parts_(arena.take<LocatedPart>("locate: results", static_cast<std::size_t>(limits.parts))),
+      ranked_(arena.take<LocatedPart>("locate: results", static_cast<std::size_t>(limits.parts))),
+      part_candidates_(arena.take<Candidate>("locate: results", static_cast<std::size_t>(limits.parts))),
+      order_(arena.take<std::size_t>("locate: results", static_cast<std::size_t>(limits.parts))),
+      withheld_(arena.take<WithheldObject>("locate: results", static_cast<std::size_t>(limits.segments))),
+      object_ms_(arena.take<double>("locate: results", static_cast<std::size_t>(kRounds * limits.segments))),
+      tried_(arena.take<std::uint16_t>("locate: results", static_cast<std::size_t>(kRounds * limits.segments))) {
+  finders_.reserve(static_cast<std::size_t>(workers));
+  for (int i = 0; i < workers; ++i) finders_.emplace_back(arena, limits);
+  team_ = std::make_unique<WorkerTeam>(arena.measuring() ? 1 : workers);
+}
+
+LocateOutput Locator::locate(const LocateInput& input, std::span<const PartModel> models, const GripperShape& gripper) {
+  result::Scene scene{input.range, input.labels, input.lens, input.belt};
+  scene.noise_mm = measurement_noise_mm(input.range, input.labels);
+  accepted_count_ = tried_count_ = 0;
+  book_.begin(scene, input.segments, least_area_mm2(models));
+  for (int round = 0; round < kRounds; ++round) {
+    const auto objects = book_.next_round(scene, fragment_reach_mm(models));
+    if (objects.empty()) break;
+    search(scene, models, objects, input.seed);
+    settle(scene, models, objects);
+  }
+  book_.next_round(scene, 0.0);
+  const std::size_t withheld = book_.withheld(withheld_);
+  rank(scene, models, gripper);
+  return {ranked_.first(accepted_count_), withheld_.first(withheld), part_candidates_.first(accepted_count_),
+          object_ms_.first(tried_count_), tried_.first(tried_count_)};
+}
+
+void Locator::search(const result::Scene& scene, std::span<const PartModel> models, std::span<const Object> objects,
+                     std::uint64_t seed) {
+  auto job = [&](int worker, int task) {
+    const auto index = static_cast<std::size_t>(task);
+    const Stopwatch watch;
+    const Object& object = objects[index];
+    attempts_[index] = finders_[static_cast<std::size_t>(worker)].find(scene, book_.owner(), object, models,
+                                                                      seed * 65536U + object.labels[0]);
+    object_ms_[tried_count_ + index] = watch.elapsed_ms();
+    tried_[tried_count_ + index] = object.labels[0];
+  };
+  team_->run(static_cast<int>(objects.size()), job);
+  tried_count_ += objects.size();
+}
+
+// The strongest pose first; a weaker one that claims the same surface gives way.
+void Locator::settle(const result::Scene& scene, std::span<const PartModel> models, std::span<const Object> objects) {
+  for (std::size_t settled = 0; settled < objects.size(); ++settled) {
+    std::size_t strongest = objects.size();
+    for (std::size_t i = 0; i < objects.size(); ++i) {
+      if (!attempts_[i].verified) continue;
+      if (strongest == objects.size() || attempts_[i].best.strength > attempts_[strongest].best.strength) strongest = i;
+    }
+    if (strongest == objects.size()) break;
+    Attempt& attempt = attempts_[strongest];
+    attempt.verified = false;
+    attempt.reason = failure(ResultCode::kDuplicatePose, "the pose overlaps one that is better supported").error();
+    if (taken(scene, models, attempt.best)) continue;
+    if (accepted_count_ == accepted_.size()) {
+      attempt.reason = failure(ResultCode::kLimitExceeded, "expected at most %zu parts; raise limits.parts",
+                               accepted_.size()).error();
+      continue;
+    }
+    accepted_[accepted_count_++] = {attempt.best, objects[strongest].labels[0]};
+    const PartModel& model = models[static_cast<std::size_t>(attempt.best.model_index)];
+    drawing_.draw(model, attempt.best.alignment.T_camera_part, scene.lens);
+    book_.explain(scene, model, attempt.best.alignment.T_camera_part, drawing_.region());
+    attempt.stage = Stage::kRank;
+    attempt.reason = {};
+  }
+  for (std::size_t i = 0; i < objects.size(); ++i) {
+    if (attempts_[i].reason.code != ResultCode::kOk) book_.failed(objects[i], attempts_[i].stage, attempts_[i].reason);
+  }
+}
+
+bool Locator::taken(const result::Scene& scene, std::span<const PartModel> models, const Candidate& candidate) const {
+  const PartModel& model = models[static_cast<std::size_t>(candidate.model_index)];
+  for (const Accepted& other : accepted_.first(accepted_count_)) {
+    const PartModel& other_model = models[static_cast<std::size_t>(other.candidate.model_index)];
+    const auto rivalry = result::compare({model, candidate.alignment.T_camera_part},
+                                         {other_model, other.candidate.alignment.T_camera_part}, scene,
+                                         {0, scene.labels.rows - 1, 0, scene.labels.cols - 1}, 4);
+    if (rivalry.same_object()) return true;
+  }
+  return false;
+}
+
+void Locator::rank(const result::Scene& scene, std::span<const PartModel> models, const GripperShape& gripper) {
+  for (std::size_t i = 0; i < accepted_count_; ++i) parts_[i] = describe(scene, models, gripper, accepted_[i]);
+  const auto order = order_.first(accepted_count_);
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    const bool grip_a = parts_[a].grasp_index >= 0;
+    const bool grip_b = parts_[b].grasp_index >= 0;
+    if (grip_a != grip_b) return grip_a;
+    if (parts_[a].top_mm != parts_[b].top_mm) return parts_[a].top_mm > parts_[b].top_mm;
+    return a < b;
+  });
+  for (std::size_t i = 0; i < accepted_count_; ++i) {
+    part_candidates_[i] = accepted_[order[i]].candidate;
+    ranked_[i] = parts_[order[i]];
+  }
+}
+
+LocatedPart Locator::describe(const result::Scene& scene, std::span<const PartModel> models,
+                              const GripperShape& gripper, const Accepted& accepted) {
+  const Candidate& candidate = accepted.candidate;
+  const PartModel& model = models[static_cast<std::size_t>(candidate.model_index)];
+  LocatedPart part;
+  part.template_index = candidate.model_index;
+  part.segment = accepted.segment;
+  part.status = model.symmetric() ? PoseStatus::kAmbiguous : PoseStatus::kVerified;
+  part.T_camera_part = candidate.alignment.T_camera_part;
+  part.grasp_index = result::choose_grasp(model, part.T_camera_part, scene, gripper).index;
+  part.rms_mm = candidate.evidence.rms_mm;
+  part.coverage = candidate.evidence.coverage;
+  part.free_space_share = candidate.evidence.violated;
+  part.score = result::score(candidate.evidence);
+  part.covariance = candidate.alignment.covariance;
+  part.touches_neighbour = touches_neighbour(scene, model, part.T_camera_part);
+  drawing_.draw(model, part.T_camera_part, scene.lens);
+  part.top_mm = -std::numeric_limits<double>::max();
+  for (const result::VisiblePoint& point : drawing_.visible()) {
+    const double height = scene.belt ? scene.belt->height_mm(point.point_mm.cast<double>()) : -point.point_mm.z();
+    part.top_mm = std::max(part.top_mm, height);
+  }
+  return part;
+}
+
+bool Locator::touches_neighbour(const result::Scene& scene, const PartModel& model,
+                                const result::PartPose& T_camera_part) const {
+  const auto T_part_camera = T_camera_part.inverse();
+  const float own_mm = static_cast<float>(3.0 * result::surface_tolerance_mm(scene, model.spacing_mm)) + model.spacing_mm;
+  constexpr int kStep = 3;
+  int touching = 0;
+  for (int row = 0; row < scene.labels.rows; row += kStep) {
+    for (int col = 0; col < scene.labels.cols; col += kStep) {
+      if (scene.labels(row, col) == 0 || !scene.range.valid(row, col)) continue;
+      const Vec3f at = (T_part_camera * scene.range.point_mm(row, col).cast<double>()).cast<float>();
+      const float distance = (model.nearest(at).point_mm - at).norm();
+      touching += distance > own_mm && distance < own_mm + kTouch_mm ? 1 : 0;
+    }
+  }
+  return touching > 10;
+}
+
+}  // namespace beltpick::pipeline

@@ -1,0 +1,83 @@
+// Locator: from the objects of one range image to its parts in pick order.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "base/arena.hpp"
+#include "contract/calibration.hpp"
+#include "contract/gripper.hpp"
+#include "contract/limits.hpp"
+#include "contract/locate_result.hpp"
+#include "pipeline/model_store.hpp"
+#include "pipeline/object_book.hpp"
+#include "pipeline/pose_finder.hpp"
+#include "pipeline/worker_team.hpp"
+
+namespace beltpick::pipeline {
+
+struct LocateInput {
+  RangeImage range;
+  ImageView<const std::uint16_t> labels;
+  std::span<const Segment> segments;
+  std::optional<Plane> belt;
+  Lens lens;               // of the camera, or one fitted to a foreign cloud
+  std::uint64_t seed = 1;  // of the capture
+};
+
+// Views of the locator's memory, valid until its next locate().
+struct LocateOutput {
+  std::span<const LocatedPart> parts;        // in pick order: those that can be gripped first, top-most first
+  std::span<const WithheldObject> withheld;
+  std::span<const Candidate> candidates;     // of each of `parts`: how it was found
+  std::span<const double> object_ms;         // time spent on each entry of `tried`
+  std::span<const std::uint16_t> tried;      // the segment each search began with
+};
+
+class Locator {
+ public:
+  // Takes the memory of `workers` pose workers and starts their threads (none for one worker, nor when measuring).
+  Locator(Arena& arena, const Limits& limits, int workers = 1);
+
+  // Finds every part of the loaded models. Objects are searched each for itself; then what a found part explains is
+  // taken away and what is left is searched again, fragments that found nothing together with their neighbours.
+  // Allocates nothing; the same bits for any number of workers.
+  LocateOutput locate(const LocateInput& input, std::span<const PartModel> models, const GripperShape& gripper = {});
+
+ private:
+  struct Accepted {
+    Candidate candidate;
+    std::uint16_t segment = 0;
+  };
+
+  void search(const result::Scene& scene, std::span<const PartModel> models, std::span<const Object> objects,
+              std::uint64_t seed);
+  void settle(const result::Scene& scene, std::span<const PartModel> models, std::span<const Object> objects);
+  [[nodiscard]] bool taken(const result::Scene& scene, std::span<const PartModel> models,
+                           const Candidate& candidate) const;
+  void rank(const result::Scene& scene, std::span<const PartModel> models, const GripperShape& gripper);
+  LocatedPart describe(const result::Scene& scene, std::span<const PartModel> models, const GripperShape& gripper,
+                       const Accepted& accepted);
+  [[nodiscard]] bool touches_neighbour(const result::Scene& scene, const PartModel& model,
+                                       const result::PartPose& T_camera_part) const;
+
+  ObjectBook book_;
+  result::Drawing drawing_;
+  std::vector<PoseFinder> finders_;  // one a worker
+  std::unique_ptr<WorkerTeam> team_;
+  std::span<Attempt> attempts_;      // by task of the round
+  std::span<Accepted> accepted_;
+  std::size_t accepted_count_ = 0;
+  std::span<LocatedPart> parts_, ranked_;
+  std::span<Candidate> part_candidates_;
+  std::span<std::size_t> order_;
+  std::span<WithheldObject> withheld_;
+  std::size_t withheld_count_ = 0;
+  std::span<double> object_ms_;
+  std::span<std::uint16_t> tried_;
+  std::size_t tried_count_ = 0;
+};
+
+}  // namespace beltpick::pipeline

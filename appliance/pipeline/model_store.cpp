@@ -1,0 +1,105 @@
+#include "pipeline/model_store.hpp"
+
+#include <algorithm>
+
+#include "base/random.hpp"
+#include "contract/result_codes.hpp"
+#include "result/grasp_choice.hpp"
+#include "search/views.hpp"
+
+namespace beltpick::pipeline {
+namespace {
+
+// Points of a first impression: enough that one fifth of a part seen gives a hundred.
+constexpr std::size_t kScattered = 1000;
+// Measured points farther away than this share of the part's size are no part of it; nor need the grid reach farther.
+constexpr double kMarginShare = 0.07;
+
+void scatter(std::size_t points, std::span<std::uint16_t> scattered) {
+  Random random(1);
+  for (std::uint16_t& index : scattered) index = static_cast<std::uint16_t>(random.below(static_cast<std::uint32_t>(points)));
+}
+
+void copy_symmetry(const Symmetry& symmetry, PartModel& model) {
+  std::copy(symmetry.elements.begin(), symmetry.elements.end(), model.symmetries.begin());
+  model.symmetry_count = static_cast<int>(symmetry.elements.size());
+  model.sphere = symmetry.name == "sphere";
+  model.revolution = symmetry.revolution;
+  model.axis_point_mm = symmetry.axis_point_mm;
+  model.axis_direction = symmetry.axis_direction.normalized();
+}
+
+}  // namespace
+
+ModelStore::ModelStore(Arena& arena, const Limits& limits) : limits_(limits) {
+  const auto slots = static_cast<std::size_t>(limits.templates);
+  models_ = arena.take<PartModel>("templates: models", slots);
+  slots_ = arena.take<Slot>("templates: models", slots);
+  for (std::size_t i = 0; i < slots; ++i) {
+    const Slot slot{arena.take<OrientedPoint>("templates: surface points", static_cast<std::size_t>(limits.template_points)),
+                    arena.take<std::uint16_t>("templates: surface points", kScattered),
+                    arena.take<std::uint16_t>("templates: closest-point grids", static_cast<std::size_t>(limits.grid_cells))};
+    if (!arena.measuring()) slots_[i] = slot;
+  }
+}
+
+Result<void> ModelStore::check(const PartTemplate& part) const {
+  const std::size_t most_points =
+      static_cast<std::size_t>(std::min(limits_.template_points, ClosestPointGrid::kMaxPoints));
+  const auto too_many = [&](const char* what, std::size_t found, std::size_t expected) {
+    return failure(ResultCode::kTemplateTooLarge, "template '%s': expected at most %zu %s, found %zu; teach it with fewer",
+                   part.name.c_str(), expected, what, found);
+  };
+  if (part.point_mm.empty()) {
+    return failure(ResultCode::kNoTemplate, "template '%s' has no points; teach it again", part.name.c_str());
+  }
+  if (part.point_mm.size() > most_points) return too_many("points", part.point_mm.size(), most_points);
+  if (part.symmetry.elements.size() > PartModel::kMaxSymmetries) {
+    return too_many("symmetries", part.symmetry.elements.size(), PartModel::kMaxSymmetries);
+  }
+  if (part.grasps.size() > PartModel::kMaxGrasps) return too_many("grasps", part.grasps.size(), PartModel::kMaxGrasps);
+  return {};
+}
+
+Result<void> ModelStore::load(std::span<const PartTemplate> templates, const GripperShape& gripper) {
+  if (templates.empty()) return failure(ResultCode::kNoTemplate, "no template given, expected at least one; teach a part");
+  if (templates.size() > slots_.size()) {
+    return failure(ResultCode::kLimitExceeded, "expected at most %zu templates, found %zu; raise limits.templates",
+                   slots_.size(), templates.size());
+  }
+  for (const PartTemplate& part : templates) {
+    if (auto ok = check(part); !ok) return ok;
+  }
+  count_ = templates.size();
+  for (std::size_t i = 0; i < count_; ++i) fill(templates[i], gripper, slots_[i], models_[i]);
+  return {};
+}
+
+void ModelStore::fill(const PartTemplate& part, const GripperShape& gripper, Slot& slot, PartModel& model) const {
+  const std::size_t points = part.point_mm.size();
+  for (std::size_t i = 0; i < points; ++i) slot.surface[i] = {part.point_mm[i], part.normal[i]};
+  scatter(points, slot.scattered);
+  model.surface = slot.surface.first(points);
+  model.scattered = slot.scattered;
+  model.spacing_mm = static_cast<float>(part.spacing_mm);
+  model.box_min_mm = part.box_min_mm;
+  model.box_max_mm = part.box_max_mm;
+  model.centre_mm = 0.5 * (part.box_min_mm + part.box_max_mm);
+  model.diagonal_mm = (part.box_max_mm - part.box_min_mm).norm();
+  const GridShape shape = plan_closest_point_grid(part.box_min_mm, part.box_max_mm, kMarginShare * model.diagonal_mm,
+                                                  0.5 * part.spacing_mm, limits_.grid_cells);
+  model.grid.build(shape, model.surface, slot.grid);
+  model.tree = nullptr;
+  search::compute_views(model);
+  model.primitive_count = static_cast<int>(std::min<std::size_t>(part.primitives.size(), PartModel::kMaxPrimitives));
+  std::copy_n(part.primitives.begin(), model.primitive_count, model.primitives.begin());
+  copy_symmetry(part.symmetry, model);
+  model.grasp_count = static_cast<int>(part.grasps.size());
+  for (std::size_t i = 0; i < part.grasps.size(); ++i) {
+    GraspPose grasp{part.grasps[i].T_part_gripper, part.grasps[i].opening_mm, true};
+    grasp.clear_of_part = result::clear_of_part(grasp, model.surface, gripper);
+    model.grasps[i] = grasp;
+  }
+}
+
+}  // namespace beltpick::pipeline

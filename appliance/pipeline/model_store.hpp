@@ -1,0 +1,42 @@
+// ModelStore: the templates in use, each in a slot of fixed size with its closest-point grid built.
+#pragma once
+
+#include <span>
+
+#include "base/arena.hpp"
+#include "base/result.hpp"
+#include "contract/gripper.hpp"
+#include "contract/limits.hpp"
+#include "contract/part_model.hpp"
+#include "contract/part_template.hpp"
+
+namespace beltpick::pipeline {
+
+class ModelStore {
+ public:
+  // Takes the memory of limits.templates slots of limits.template_points points and limits.grid_cells cells each.
+  ModelStore(Arena& arena, const Limits& limits);
+
+  // Replaces what is loaded. Takes about 0.2 s a template; not while a locate is running. All or nothing. Errors:
+  // kLimitExceeded (number of templates), kTemplateTooLarge (points, primitives, symmetries or grasps), kNoTemplate
+  // (none given, or one without points).
+  Result<void> load(std::span<const PartTemplate> templates, const GripperShape& gripper = {});
+
+  [[nodiscard]] std::span<const PartModel> models() const { return models_.first(count_); }
+
+ private:
+  struct Slot {
+    std::span<OrientedPoint> surface;
+    std::span<std::uint16_t> scattered;
+    std::span<std::uint16_t> grid;
+  };
+  Result<void> check(const PartTemplate& part) const;
+  void fill(const PartTemplate& part, const GripperShape& gripper, Slot& slot, PartModel& model) const;
+
+  Limits limits_;
+  std::span<PartModel> models_;
+  std::span<Slot> slots_;
+  std::size_t count_ = 0;
+};
+
+}  // namespace beltpick::pipeline

@@ -1,0 +1,231 @@
+#include "pipeline/pose_finder.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/units.hpp"
+#include "contract/pose_difference.hpp"
+#include "contract/result_codes.hpp"
+#include "result/rivalry.hpp"
+#include "result/verdict.hpp"
+#include "search/from_primitive.hpp"
+#include "search/views.hpp"
+
+namespace beltpick::pipeline {
+namespace {
+
+constexpr std::size_t kSearchSample = 100;   // the paper's
+constexpr std::size_t kCoarseSample = 200;
+constexpr std::size_t kAlignSample = 1000;   // the paper's
+constexpr std::size_t kFinalSample = 2500;
+constexpr std::size_t kPoolSize = 400;
+constexpr std::size_t kShortlist = 40;       // hypotheses that are aligned coarsely
+constexpr int kFullAlignments = 6;           // of those, aligned with the whole sample and drawn
+constexpr std::size_t kLeastSample = 60;
+
+// Distances of search and alignment grow with the part.
+double coarse_radius_mm(const PartModel& model) { return 0.08 * model.diagonal_mm; }
+double fine_radius_mm(const PartModel& model) { return 0.03 * model.diagonal_mm; }
+
+// Poses that differ less have found the same place.
+constexpr double kSamePlaceShare = 0.012;  // of the diagonal
+constexpr double kSameTurn_rad = 0.05;
+
+bool same_place(const Candidate& a, const Candidate& b, const PartModel& model) {
+  if (a.model_index != b.model_index) return false;
+  const PoseDifference d =
+      difference_modulo_symmetry(a.alignment.T_camera_part, b.alignment.T_camera_part, model);
+  return d.translation_mm < kSamePlaceShare * model.diagonal_mm && d.rotation_rad < kSameTurn_rad;
+}
+
+double strength(const result::Evidence& e) {
+  return e.support * std::max(0.0, 1.0 - 4.0 * e.violated) * (1.0 - 0.5 * e.continued);
+}
+
+result::Region region_of(const Object& object, int margin) {
+  return {object.row_min - margin, object.row_max + margin, object.col_min - margin, object.col_max + margin};
+}
+
+}  // namespace
+
+PoseFinder::PoseFinder(Arena& arena, const Limits& limits)
+    : sample_(arena.take<OrientedPoint>("search: object sample", static_cast<std::size_t>(limits.object_points))),
+      pose_sample_(arena.take<OrientedPoint>("search: object sample", static_cast<std::size_t>(limits.object_points))),
+      pool_storage_(arena.take<Hypothesis>("search: hypotheses",
+                                           std::min(kPoolSize, static_cast<std::size_t>(limits.hypotheses)))),
+      finder_(arena, limits.object_points),
+      drawing_(arena, limits) {}
+
+Attempt PoseFinder::find(const result::Scene& scene, ImageView<const std::uint16_t> owner, const Object& object,
+                         std::span<const PartModel> models, std::uint64_t seed) {
+  const Context context{scene, object, models, seed};
+  sample_count_ = sample_object(scene.range, owner, object, kAlignSample, seed, sample_);
+  if (sample_count_ < kLeastSample) {
+    Attempt attempt;
+    attempt.stage = Stage::kSegment;
+    attempt.reason = failure(ResultCode::kObjectTooSmall, "%zu points with a normal, expected at least %zu; dirt, or a "
+                             "part mostly hidden", sample_count_, kLeastSample).error();
+    return attempt;
+  }
+  Attempt attempt;
+  for (const Route route : {Route::kPrimitives, Route::kViews}) {
+    candidate_count_ = 0;
+    for (int i = 0; i < static_cast<int>(models.size()); ++i) collect(context, i, route);
+    attempt = decide(context);
+    if (attempt.verified) break;
+  }
+  return attempt;
+}
+
+void PoseFinder::collect(const Context& context, int model_index, Route route) {
+  const PartModel& model = context.models[static_cast<std::size_t>(model_index)];
+  search::HypothesisPool pool(pool_storage_);
+  if (route == Route::kPrimitives) {
+    search_by_primitives(context, model, pool);
+  } else {
+    const auto sample = this->sample().first(std::min(sample_count_, kSearchSample));
+    search::search_views({model, sample, static_cast<float>(coarse_radius_mm(model))}, pool);
+  }
+  shortlist(context, model_index, pool);
+}
+
+void PoseFinder::search_by_primitives(const Context& context, const PartModel& model, search::HypothesisPool& pool) {
+  std::array<Primitive, kMaxPrimitivesFound> found;
+  const int count = find_primitives(context, model, found);
+  const auto sample = this->sample().first(std::min(sample_count_, kSearchSample));
+  const search::SearchInput input{model, sample, static_cast<float>(coarse_radius_mm(model))};
+  for (int i = 0; i < count; ++i) {
+    for (const Primitive& taught : model.taught()) {
+      search::search_from_primitive(input, taught, found[static_cast<std::size_t>(i)], pool);
+    }
+  }
+}
+
+int PoseFinder::find_primitives(const Context& context, const PartModel& model, std::span<Primitive> found) {
+  std::size_t count = 0;
+  Random random(context.seed, 2);
+  for (const Primitive& taught : model.taught()) {
+    if (count == found.size()) break;
+    primitives::PrimitiveQuery query;
+    query.kind = taught.kind;
+    query.sigma_mm = std::max(context.scene.noise_mm, 0.1);
+    query.min_share = 0.12;
+    query.max_trials = 400;
+    if (taught.kind == PrimitiveKind::kPlane) continue;
+    query.radius_mm = taught.radius_mm;
+    query.side = taught.concave ? primitives::Side::kBore : primitives::Side::kBoss;
+    const auto primitive = finder_.find(sample(), query, random);
+    if (primitive) found[count++] = *primitive;
+  }
+  return static_cast<int>(count);
+}
+
+void PoseFinder::shortlist(const Context& context, int model_index, search::HypothesisPool& pool) {
+  const PartModel& model = context.models[static_cast<std::size_t>(model_index)];
+  std::array<Hypothesis, kShortlist> hypotheses;
+  const std::size_t count = pool.take_distinct(model, 0.04 * model.diagonal_mm, rad_from_deg(12.0), hypotheses);
+  const std::array<icp::Stage, 2> stages{icp::Stage{coarse_radius_mm(model), 8, 0.3F},
+                                         icp::Stage{fine_radius_mm(model), 6, 0.5F}};
+  const auto sample = this->sample().first(std::min(sample_count_, kCoarseSample));
+  const double tolerance_mm = 3.0 * result::surface_tolerance_mm(context.scene, model.spacing_mm);
+  std::array<Candidate, kShortlist> tried;
+  std::size_t distinct = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    Candidate candidate;
+    candidate.model_index = model_index;
+    candidate.hypothesis = hypotheses[i];
+    candidate.alignment =
+        icp::align(sample, model, hypotheses[i].T_camera_part, stages, icp::Noise{context.scene.noise_mm});
+    candidate.impression =
+        result::first_impression(model, candidate.alignment.T_camera_part, context.scene, tolerance_mm);
+    const auto found_before = [&](const Candidate& other) { return same_place(candidate, other, model); };
+    if (std::none_of(tried.begin(), tried.begin() + static_cast<std::ptrdiff_t>(distinct), found_before)) {
+      tried[distinct++] = candidate;
+    }
+  }
+  const auto most = std::min<std::size_t>(distinct, kFullAlignments);
+  std::partial_sort(tried.begin(), tried.begin() + static_cast<std::ptrdiff_t>(most),
+                    tried.begin() + static_cast<std::ptrdiff_t>(distinct),
+                    [](const Candidate& a, const Candidate& b) { return a.impression > b.impression; });
+  for (std::size_t i = 0; i < most && candidate_count_ < kMaxCandidates; ++i) {
+    Candidate& candidate = candidates_[static_cast<std::size_t>(candidate_count_)];
+    candidate = tried[i];
+    align_fully(context, candidate);
+    weigh(context, candidate);
+    ++candidate_count_;
+  }
+}
+
+void PoseFinder::align_fully(const Context& context, Candidate& candidate) {
+  const PartModel& model = context.models[static_cast<std::size_t>(candidate.model_index)];
+  const double last_mm = 3.0 * result::surface_tolerance_mm(context.scene, model.spacing_mm);
+  const std::array<icp::Stage, 2> stages{icp::Stage{fine_radius_mm(model), 15, 0.5F}, icp::Stage{last_mm, 15, 0.7F}};
+  candidate.alignment = icp::align(sample(), model, candidate.alignment.T_camera_part, stages,
+                                   icp::Noise{context.scene.noise_mm});
+}
+
+void PoseFinder::weigh(const Context& context, Candidate& candidate) {
+  const PartModel& model = context.models[static_cast<std::size_t>(candidate.model_index)];
+  drawing_.draw(model, candidate.alignment.T_camera_part, context.scene.lens);
+  candidate.evidence = result::weigh(drawing_, model, candidate.alignment.T_camera_part, context.scene);
+  candidate.strength = strength(candidate.evidence);
+}
+
+// The last alignment uses everything measured where the part is in sight, whatever segment it fell into.
+void PoseFinder::finish(const Context& context, Candidate& candidate) {
+  const PartModel& model = context.models[static_cast<std::size_t>(candidate.model_index)];
+  const double tolerance_mm = result::surface_tolerance_mm(context.scene, model.spacing_mm);
+  for (const double radius_mm : {3.0 * tolerance_mm, 1.5 * tolerance_mm}) {
+    drawing_.draw(model, candidate.alignment.T_camera_part, context.scene.lens);
+    const std::size_t count = sample_at_pose(context.scene.range, context.scene.labels, drawing_, radius_mm,
+                                             kFinalSample, pose_sample_);
+    if (count < kLeastSample) return;
+    const std::array<icp::Stage, 1> stage{icp::Stage{radius_mm, 12, 0.85F}};
+    candidate.alignment = icp::align(pose_sample_.first(count), model, candidate.alignment.T_camera_part, stage,
+                                     icp::Noise{context.scene.noise_mm});
+  }
+  weigh(context, candidate);
+}
+
+Attempt PoseFinder::decide(const Context& context) {
+  Attempt attempt;
+  if (candidate_count_ == 0) {
+    attempt.stage = Stage::kSearch;
+    attempt.reason = failure(ResultCode::kNoHypothesis, "no template fits; a foreign object, or a part not taught").error();
+    return attempt;
+  }
+  const auto first = candidates_.begin();
+  std::stable_sort(first, first + candidate_count_,
+                   [](const Candidate& a, const Candidate& b) { return a.strength > b.strength; });
+  Candidate champion = candidates_.front();
+  finish(context, champion);
+  attempt.best = champion;
+  const PartModel& model = context.models[static_cast<std::size_t>(champion.model_index)];
+  const auto verdict = result::judge(champion.evidence, result::surface_tolerance_mm(context.scene, model.spacing_mm),
+                                     result::Requirements{});
+  if (!verdict) {
+    attempt.reason = verdict.error();
+  } else if (!beats_rivals(context, champion)) {
+    attempt.reason = failure(ResultCode::kPoseAmbiguous,
+                             "another pose fits as well; wait for a better view of the part").error();
+  } else {
+    attempt.verified = true;
+  }
+  return attempt;
+}
+
+bool PoseFinder::beats_rivals(const Context& context, const Candidate& champion) const {
+  const auto& model = context.models[static_cast<std::size_t>(champion.model_index)];
+  for (int i = 0; i < candidate_count_; ++i) {
+    const Candidate& rival = candidates_[static_cast<std::size_t>(i)];
+    if (same_place(champion, rival, model) || rival.strength < 0.8 * champion.strength) continue;
+    const auto& other = context.models[static_cast<std::size_t>(rival.model_index)];
+    const result::Rivalry rivalry =
+        result::compare({model, champion.alignment.T_camera_part}, {other, rival.alignment.T_camera_part},
+                        context.scene, region_of(context.object, 20), 2);
+    if (rivalry.same_object() && !result::prevails(rivalry)) return false;
+  }
+  return true;
+}
+
+}  // namespace beltpick::pipeline
