@@ -27,6 +27,7 @@ constexpr const char* kReference = "Reference";
 // A line a command, in the order in which --help shows them.
 constexpr Command kCommands[] = {
     {"patterns", kSetUp, "write the images that the projector shows, and sequence.json", add_patterns},
+    {"teach", kSetUp, "make a part's template from its mesh or scan", add_teach},
     {"registers", kReference, "print the PLC's registers and the result codes", add_registers},
 };
 

@@ -1,0 +1,135 @@
+// beltpick teach: a part's mesh or scan becomes the template that locate and the appliance look for.
+#include <array>
+#include <memory>
+
+#include "commands.hpp"
+#include "contract/limits.hpp"
+#include "contract/result_codes.hpp"
+#include "contract_io/grasps_io.hpp"
+#include "contract_io/mesh_io.hpp"
+#include "contract_io/template_io.hpp"
+#include "options.hpp"
+#include "progress.hpp"
+#include "teach/report.hpp"
+#include "teach/teach.hpp"
+
+namespace beltpick::cli {
+namespace {
+
+struct Unit {
+  const char* name;
+  double mm;
+};
+constexpr std::array kUnits{Unit{"mm", 1.0}, Unit{"cm", 10.0}, Unit{"m", 1000.0}, Unit{"um", 0.001},
+                            Unit{"inch", 25.4}};
+constexpr std::array kKinds{"plane", "cylinder", "sphere"};
+
+struct TeachCommand {
+  std::string mesh;
+  std::string units = "mm";
+  std::string out;
+  std::string grasps;
+  std::string report;
+  int points = static_cast<int>(teach::TeachOptions{}.points);
+};
+
+double mm_per_unit(const std::string& units) {
+  for (const Unit& unit : kUnits) {
+    if (units == unit.name) return unit.mm;
+  }
+  return 1.0;
+}
+
+contract_io::Json json_of(const Primitive& primitive) {
+  return {{"kind", kKinds[static_cast<std::size_t>(primitive.kind)]},
+          {"radius_mm", primitive.radius_mm},
+          {"extent_mm", primitive.extent_mm},
+          {"concave", primitive.concave},
+          {"surface_share", primitive.inlier_share},
+          {"point_mm", {primitive.point_mm.x(), primitive.point_mm.y(), primitive.point_mm.z()}},
+          {"direction", {primitive.direction.x(), primitive.direction.y(), primitive.direction.z()}}};
+}
+
+contract_io::Json json_of(const teach::Taught& taught, const TeachCommand& command) {
+  const Vec3 size = taught.part.box_max_mm - taught.part.box_min_mm;
+  contract_io::Json primitives = contract_io::Json::array();
+  for (const Primitive& primitive : taught.part.primitives) primitives.push_back(json_of(primitive));
+  return {{"template", command.out},
+          {"size_mm", {size.x(), size.y(), size.z()}},
+          {"points", taught.part.point_mm.size()},
+          {"spacing_mm", taught.part.spacing_mm},
+          {"symmetry", taught.part.symmetry.name},
+          {"primitives", primitives},
+          {"grasps", taught.part.grasps.size()},
+          {"warnings", taught.warnings}};
+}
+
+std::string text_of(const teach::Taught& taught, const TeachCommand& command) {
+  const Vec3 size = taught.part.box_max_mm - taught.part.box_min_mm;
+  std::array<char, 400> line{};
+  std::snprintf(line.data(), line.size(),
+                "%s: %.1f x %.1f x %.1f mm, %zu points %.2f mm apart, symmetry %s, %zu grasps\n", command.out.c_str(),
+                size.x(), size.y(), size.z(), taught.part.point_mm.size(), taught.part.spacing_mm,
+                taught.part.symmetry.name.c_str(), taught.part.grasps.size());
+  std::string text = line.data();
+  for (const Primitive& p : taught.part.primitives) {
+    std::snprintf(line.data(), line.size(), "  %s%s", p.concave ? "concave " : "",
+                  kKinds[static_cast<std::size_t>(p.kind)]);
+    text += line.data();
+    if (p.kind != PrimitiveKind::kPlane) std::snprintf(line.data(), line.size(), ", radius %.2f mm", p.radius_mm);
+    if (p.kind != PrimitiveKind::kPlane) text += line.data();
+    std::snprintf(line.data(), line.size(), ", %.1f %% of the surface\n", 100 * p.inlier_share);
+    text += line.data();
+  }
+  return text;
+}
+
+Result<std::vector<Grasp>> grasps_of(const TeachCommand& command) {
+  if (command.grasps.empty()) return std::vector<Grasp>{};
+  return contract_io::read_grasps(command.grasps);
+}
+
+Result<void> run(const TeachCommand& command, Session& session) {
+  Progress progress("teach", 3, session.json);
+  auto mesh = contract_io::read_mesh(command.mesh, mm_per_unit(command.units));
+  if (!mesh) return std::unexpected(mesh.error());
+  auto grasps = grasps_of(command);
+  if (!grasps) return std::unexpected(grasps.error());
+  progress.show(1);
+  const auto taught =
+      teach::teach(std::move(*mesh), std::move(*grasps), {.points = static_cast<std::size_t>(command.points)});
+  if (!taught) return failure(taught.error().code, "%s: %s", command.mesh.c_str(), taught.error().detail);
+  progress.show(2);
+  if (auto written = contract_io::write_template(command.out, taught->part); !written) return written;
+  if (!command.report.empty()) {
+    const std::string name = std::filesystem::path(command.out).stem().string();
+    if (auto written = teach::write_report(command.report, name, *taught); !written) return written;
+  }
+  progress.show(3);
+  session.warn(taught->warnings);
+  session.answer(json_of(*taught, command), text_of(*taught, command));
+  return {};
+}
+
+}  // namespace
+
+Run add_teach(CLI::App& app) {
+  const auto command = std::make_shared<TeachCommand>();
+  app.add_option("mesh", command->mesh, "the part: STL, PLY or OBJ; a PLY without faces is taken as a scan")
+      ->required()
+      ->type_name("FILE");
+  std::vector<std::string> units;
+  for (const Unit& unit : kUnits) units.emplace_back(unit.name);
+  app.add_option("--units", command->units, "of the file's coordinates (default mm)")->check(CLI::IsMember(units));
+  app.add_option("--out", command->out, "the template to write; its stem becomes the part's name")
+      ->required()
+      ->type_name("FILE");
+  app.add_option("--grasps", command->grasps, "grasps.toml; without it grasps are proposed")->type_name("FILE");
+  app.add_option("--points", command->points, "points of the template (default 36600)")
+      ->check(CLI::Range(500, Limits{}.template_points));
+  app.add_option("--report", command->report, "folder for a page with pictures of what was found")->type_name("DIR");
+  example(app, "  beltpick teach knuckle.stl --units mm --grasps grasps.toml --out knuckle.template --report report");
+  return [command](Session& session) { return run(*command, session); };
+}
+
+}  // namespace beltpick::cli
