@@ -1,0 +1,117 @@
+// Fixed-seed mutations of good files: a parser may accept or refuse, in one line, but never crash.
+#include <catch2/catch.hpp>
+#include <functional>
+
+#include "base/random.hpp"
+#include "contract_io/calibration_io.hpp"
+#include "contract_io/capture_io.hpp"
+#include "contract_io/cloud_io.hpp"
+#include "contract_io/npy_header.hpp"
+#include "contract_io/toml_config.hpp"
+#include "samples.hpp"
+
+using namespace beltpick;
+using namespace beltpick::contract_io;
+using namespace beltpick::test;
+
+namespace {
+
+constexpr int kMutations = 4000;
+
+// Flips bits, overwrites, cuts, doubles or inserts; often enough with bytes that mean something to a parser.
+std::string mutate(std::string bytes, Random& random) {
+  static constexpr std::string_view kTelling = "{}[]\",:-+.eE0123456789()'\n\xff\x00\x80";
+  const std::uint32_t edits = 1 + random.below(4);
+  for (std::uint32_t i = 0; i < edits && !bytes.empty(); ++i) {
+    const std::size_t at = random.below(static_cast<std::uint32_t>(bytes.size()));
+    const char telling = kTelling[random.below(static_cast<std::uint32_t>(kTelling.size()))];
+    switch (random.below(6)) {
+      case 0:
+        bytes[at] = static_cast<char>(bytes[at] ^ (1 << random.below(8)));
+        break;
+      case 1:
+        bytes[at] = telling;
+        break;
+      case 2:
+        bytes.resize(at);
+        break;
+      case 3:
+        bytes.insert(at, bytes.substr(at, random.below(64)));
+        break;
+      case 4:
+        bytes.insert(at, 1, telling);
+        break;
+      default:
+        bytes.erase(at, 1 + random.below(16));
+        break;
+    }
+  }
+  return bytes;
+}
+
+// Returns how many mutations were refused.
+int torture(const std::string& good, const std::function<Result<void>(const std::string&)>& parse) {
+  Random random(20240717);
+  int refused = 0;
+  REQUIRE(parse(good));
+  for (int i = 0; i < kMutations; ++i) {
+    const Result<void> done = parse(mutate(good, random));
+    if (done) continue;
+    ++refused;
+    if (!is_one_line(done.error())) FAIL("not one line: " << done.error().text());
+  }
+  return refused;
+}
+
+template <class T>
+Result<void> outcome(const Result<T>& result) {
+  if (!result) return std::unexpected(result.error());
+  return {};
+}
+
+}  // namespace
+
+TEST_CASE("No mutation of a JSON file crashes its parser", "[mutations]") {
+  CHECK(torture(kCaptureJson, [](const std::string& text) {
+          Warnings warnings;
+          return outcome(parse_capture(text, "capture.json", warnings));
+        }) > kMutations / 2);
+  CHECK(torture(kCalibrationJson, [](const std::string& text) {
+          Warnings warnings;
+          return outcome(parse_calibration(text, "calibration.json", warnings));
+        }) > kMutations / 2);
+  CHECK(torture(kCellJson, [](const std::string& text) {
+          Warnings warnings;
+          return outcome(parse_cell(text, "cell.json", warnings));
+        }) > kMutations / 2);
+}
+
+TEST_CASE("No mutation of an image crashes its reader", "[mutations]") {
+  const auto parse = [](const std::string& bytes) { return outcome(decode_grey_image(bytes, "image")); };
+  CHECK(torture(encode_png(ramp8(12, 17).view8()), parse) > kMutations / 2);
+  const std::vector<std::uint16_t> wide(60, 4097);
+  CHECK(torture(encode_png(ImageView<const std::uint16_t>(wide.data(), 6, 10)), parse) > kMutations / 2);
+  std::string palette;
+  for (int i = 0; i < 256; ++i) palette += little(static_cast<std::uint64_t>(i) * 0x010101U, 4);
+  CHECK(torture(bmp(7, 5, 8, palette, std::string(40, '\x10')), parse) > kMutations / 20);
+  CHECK(torture(bmp(7, 5, 24, "", std::string(120, '\x10')), parse) > kMutations / 20);
+}
+
+TEST_CASE("No mutation of an array or a configuration crashes its reader", "[mutations]") {
+  const std::string cloud = npy_header_text("<f4", {2, 2, 3}) + std::string(48, 'B');
+  CHECK(torture(cloud, [](const std::string& bytes) {
+          Warnings warnings;
+          return outcome(decode_cloud(bytes, "cloud.npy", warnings));
+        }) > kMutations / 4);
+  const std::string toml = "a = 1\nb = [1.5, 2]\n[c]\nname = \"x\"\n[[d]]\nflag = true\n";
+  CHECK(torture(toml, [](const std::string& text) {
+          Result<TomlConfig> config = TomlConfig::parse(text, "cell.toml");
+          if (!config) return outcome(config);
+          (void)config->integer("a", 0);
+          (void)config->numbers("b", 2);
+          (void)config->text("c.name", "");
+          (void)config->flag("d[0].flag", false);
+          Warnings warnings;
+          return config->finish(warnings);
+        }) > kMutations / 4);
+}
