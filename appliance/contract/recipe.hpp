@@ -1,15 +1,15 @@
 // A recipe: what the appliance projects, how long it exposes, and which parts it looks for. beltpick-recipe, version 1:
 //
 //   {"format": "beltpick-recipe", "version": 1, "number": 1, "name": "knuckles",
-//    "sequence": "standard",              fast, standard, robust, or the path of a sequence.json (from the recipe's folder)
-//    "axes": "column",                    column, row or both; for the named sequences
-//    "exposure_us": 8000,                 for frames whose sequence does not tell their own
-//    "settle_us": 1000,                   from the projector's advance to the camera's pulse
-//    "period_us": 20000,                  from frame to frame
-//    "templates": ["knuckle.template"]}   paths from the recipe's folder; part_number counts in this order, from 1
+//    "sequence": "standard",              fast, standard, robust, or the path of a sequence.json (from the recipe's
+//    folder) "axes": "column",                    column, row or both; for the named sequences "exposure_us": 8000, for
+//    frames whose sequence does not tell their own "settle_us": 1000,                   from the projector's advance to
+//    the camera's pulse "period_us": 20000,                  from frame to frame; 0: the shortest that camera and
+//    projector allow "templates": ["knuckle.template"]}   paths from the recipe's folder; part_number counts in this
+//    order, from 1
 //
-// `number`, `exposure_us`, `period_us` and `templates` are required; the values above are the defaults of the others, `name`
-// being the file's stem.
+// `number`, `exposure_us` and `templates` are required. Defaults of the others: the file's stem, standard, column,
+// 1000, 0.
 #pragma once
 
 #include <cstdint>
@@ -21,14 +21,14 @@
 namespace beltpick {
 
 struct Recipe {
-  std::uint16_t number = 1;             // 1..65535, as the PLC selects it
+  std::uint16_t number = 1;  // 1..65535, as the PLC selects it
   std::string name;
-  std::string sequence = "standard";    // a SequenceName, or the path of a sequence.json
+  std::string sequence = "standard";  // a SequenceName, or the path of a sequence.json
   SequenceAxes axes = SequenceAxes::kColumn;
   double exposure_us = 0.0;
   double settle_us = 1000.0;
-  double period_us = 0.0;
-  std::vector<std::string> templates;   // paths
+  double period_us = 0.0;              // 0: the shortest possible
+  std::vector<std::string> templates;  // paths
 };
 
 }  // namespace beltpick

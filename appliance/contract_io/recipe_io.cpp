@@ -47,11 +47,11 @@ Result<Recipe> parse_recipe(std::string_view text, const std::string& name, cons
   recipe.axes = static_cast<SequenceAxes>(root.choice("axes", {kAxes[0], kAxes[1], kAxes[2]}, 0));
   recipe.exposure_us = root.number("exposure_us", {1, kMaxTime_us});
   recipe.settle_us = root.number("settle_us", {100, kMaxTime_us}, recipe.settle_us);
-  recipe.period_us = root.number("period_us", {1, kMaxTime_us});
+  recipe.period_us = root.number("period_us", {0, kMaxTime_us}, recipe.period_us);
   recipe.templates = read_templates(root);
   root.finish();
-  if (!document.failed() && recipe.settle_us + recipe.exposure_us > recipe.period_us) {
-    root.fail(ResultCode::kValueOutOfRange, "period_us", "at least settle_us + exposure_us",
+  if (!document.failed() && recipe.period_us > 0.0 && recipe.settle_us + recipe.exposure_us > recipe.period_us) {
+    root.fail(ResultCode::kValueOutOfRange, "period_us", "0, or at least settle_us + exposure_us",
               std::to_string(recipe.period_us));
   }
   if (document.failed()) return document.error();

@@ -39,7 +39,7 @@ TEST_CASE("a recipe reads with its defaults, its name and its paths", "[recipe]"
 }
 
 TEST_CASE("a wrong recipe is told by member", "[recipe]") {
-  for (const std::string member : {"number", "exposure_us", "period_us"}) {
+  for (const std::string member : {"number", "exposure_us"}) {
     const auto missing = parse(without(member));
     REQUIRE_FALSE(missing);
     CHECK(missing.error().code == ResultCode::kMemberMissing);

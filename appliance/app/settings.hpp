@@ -1,0 +1,64 @@
+// The configuration of beltpickd: every key with its default and its meaning, in one list that reads the file, prints
+// the commented default and is the documentation.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "base/result.hpp"
+#include "contract/gripper.hpp"
+#include "contract/limits.hpp"
+
+namespace beltpick::app {
+
+struct Settings {
+  std::filesystem::path folder = ".";  // of the configuration file: relative paths count from here
+
+  std::string camera_id;
+  double readout_us = 12000;
+  int camera_buffers = 12;
+  bool packet_socket = false;
+
+  std::string trigger_tty = "/dev/ttyACM0";
+  double strobe_tolerance_us = 500;
+
+  std::string calibration = "calibration.json";
+  std::string cell = "cell.json";
+  std::vector<std::string> recipes{"recipe.json"};
+  int recipe = 0;
+  std::string projector_layout = "square";
+
+  int settle_ms = 200;
+  int signals_agree_ms = 500;
+  int max_age_ms = 15000;
+  int processing_timeout_ms = 20000;
+  int max_failed_picks = 3;
+  int pose_workers = 2;
+
+  std::string plc_address = "0.0.0.0";
+  int plc_port = 502;
+  int plc_max_clients = 8;
+  int plc_timeout_ms = 2000;
+  std::string float_order = "high-first";
+
+  GripperShape gripper;
+  Limits limits;
+
+  std::string record_folder;
+  bool record_pictures = true;
+  std::string record_frames = "failed";
+  int record_keep = 200;
+  std::string summary;
+};
+
+// Reads a TOML file. Unknown keys warn. Errors: kFileNotFound, kFileUnreadable, kFormatInvalid, kValueOutOfRange.
+Result<Settings> read_settings(const std::filesystem::path& path, std::vector<std::string>& warnings);
+
+// The default configuration as commented TOML: reading it back gives the defaults.
+std::string default_settings_text();
+
+// `path` from the configuration's folder; empty stays empty.
+std::filesystem::path from_settings(const Settings& settings, const std::string& path);
+
+}  // namespace beltpick::app
