@@ -37,8 +37,7 @@ DecoderLimits limits_for(const FoldPlan& plan, int rows, int cols, int pixel_byt
 
 Decoder::Decoder(Arena& arena, const DecoderLimits& limits) : limits_(limits) {
   const std::size_t pixels = pixel_count(limits);
-  context_.store =
-      PlaneStore(arena.take<std::byte>("decode state", PlaneStore::bytes_for(pixels, limits.state_bytes)));
+  context_.store = PlaneStore(arena.take<std::byte>("decode state", PlaneStore::bytes_for(pixels, limits.state_bytes)));
   scratch_ = RowScratch(arena, limits.cols);
   if (limits.codes_columns) column_px_ = arena.take<float>("code image", pixels);
   if (limits.codes_rows) row_px_ = arena.take<float>("code image", pixels);
@@ -52,8 +51,7 @@ Result<void> Decoder::begin(const FoldPlan& plan, int rows, int cols, int pixel_
     return failure(ResultCode::kLimitExceeded, "images of %dx%d exceed the declared %dx%d", cols, rows, limits_.cols,
                    limits_.rows);
   }
-  if (plan.state_bytes(pixel_bytes) > limits_.state_bytes ||
-      !context_.store.place(plan, rows, cols, pixel_bytes)) {
+  if (plan.state_bytes(pixel_bytes) > limits_.state_bytes || !context_.store.place(plan, rows, cols, pixel_bytes)) {
     return failure(ResultCode::kLimitExceeded, "the sequence needs %d bytes a pixel to decode; declared are %d",
                    plan.state_bytes(pixel_bytes), limits_.state_bytes);
   }

@@ -18,7 +18,7 @@ namespace beltpick::decode {
 struct DecoderLimits {
   int rows = 0;
   int cols = 0;
-  int state_bytes = 16;      // a pixel; see FoldPlan::state_bytes
+  int state_bytes = 16;       // a pixel; see FoldPlan::state_bytes
   bool codes_columns = true;  // the axes that sequences may code
   bool codes_rows = false;
 };

@@ -81,6 +81,10 @@ BELTPICK_INLINE int binary_from_gray(int gray) {
   return binary ^ (binary >> 1);
 }
 
+// Phase noise may put a pixel at the projector's edge this far outside.
+constexpr float kOutsidePx = 1.0F;
+constexpr float kBorderSigmas = 5.0F;
+
 // The one Gray bit that changes at the left border of a cell; 0 for the first cell.
 BELTPICK_INLINE int border_bit(int cell) { return cell & -cell; }
 
@@ -152,28 +156,46 @@ void gray_phase_row(const float* turn, const std::uint16_t* code, const std::uin
   const float guard_px = rule.guard_px;
   const float first_px = -0.5F;
   const float last_px = std::nextafter(rule.extent_px - 0.5F, 0.0F);
-  const float quarter_px = rule.repair ? 0.25F * period_px : period_px;
   const int cells = rule.cells;
   for (int i = 0; i < count; ++i) {
     const int cell = binary_from_gray(code[i]);
-    const int left = border_bit(cell) & weak[i];
-    const int right = border_bit(cell + 1) & weak[i];
+    const int far = weak[i] & ~(border_bit(cell) | border_bit(cell + 1));
     const float centre_px = (static_cast<float>(cell) + 0.5F) * cell_px - 0.5F;
     const float wrapped_px = turn[i] * period_px;
     // Orders are -1 or more: adding 2 makes the cut a floor.
     const int order = static_cast<int>((centre_px - wrapped_px) * per_period + 2.5F) - 2;
-    float x = wrapped_px + static_cast<float>(order) * period_px;
-    const float offset_px = x - centre_px;
-    const bool slipped_left = (left != 0) & (right == 0) & (offset_px > quarter_px);
-    const bool slipped_right = (right != 0) & (left == 0) & (offset_px < -quarter_px);
-    x += slipped_left ? -period_px : 0.0F;
-    x += slipped_right ? period_px : 0.0F;
-    const bool undecided = (left != 0) & (right != 0) & (std::fabs(offset_px) > quarter_px);
+    const float x = wrapped_px + static_cast<float>(order) * period_px;
     const float inside_px = std::min(std::max(x, first_px), last_px);
-    const bool safe = ((weak[i] & ~(left | right)) == 0) & (cell < cells) & !undecided &
-                      (std::fabs(offset_px) <= guard_px) & (std::fabs(x - inside_px) <= 1.0F);
+    const bool safe =
+        (far == 0) & (cell < cells) & (std::fabs(x - centre_px) <= guard_px) & (std::fabs(x - inside_px) <= kOutsidePx);
     x_px[i] = inside_px;
     order_safe[i] = safe ? 1 : 0;
+  }
+}
+
+BELTPICK_KERNEL
+void settle_borders_row(const std::uint16_t* code, const std::uint16_t* weak, const float* amplitude8,
+                        const float* mean8, int count, const CellRule& rule, float noise_px, float* x_px,
+                        std::uint8_t* order_safe) {
+  const float end_px = rule.extent_px - 0.5F;
+  const float period_px = rule.period_px;
+  for (int i = 0; i < count; ++i) {
+    const int cell = binary_from_gray(code[i]);
+    const bool left = (border_bit(cell) & weak[i]) != 0;
+    const bool right = (border_bit(cell + 1) & weak[i]) != 0;
+    const float offset_px = x_px[i] - ((static_cast<float>(cell) + 0.5F) * rule.cell_px - 0.5F);
+    const bool at_left = left & !right;
+    const bool at_right = right & !left;
+    const bool beyond_left = at_left & (offset_px > 0.25F * period_px);
+    const bool beyond_right = at_right & (offset_px < -0.25F * period_px);
+    const float moved_px = x_px[i] + (beyond_left ? -period_px : 0.0F) + (beyond_right ? period_px : 0.0F);
+    const float sigma_level = std::sqrt(kCameraNoise.floor_variance + kCameraNoise.shot_variance_per_level * mean8[i]);
+    const float reach_px = kBorderSigmas * noise_px * sigma_level / std::max(amplitude8[i], 1e-3F);
+    const bool near_border = std::fabs(offset_px) > 0.5F * rule.cell_px - reach_px;
+    const bool outside = (moved_px < -0.5F) | (moved_px >= end_px);
+    x_px[i] = outside ? x_px[i] : moved_px;
+    order_safe[i] =
+        static_cast<std::uint8_t>(order_safe[i] & ((at_left | at_right) | !near_border ? 1 : 0) & (outside ? 0 : 1));
   }
 }
 

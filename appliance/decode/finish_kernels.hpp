@@ -33,7 +33,6 @@ struct CellRule {
   float extent_px = 0.0F;
   float period_px = 0.0F;  // of the fringe; unused without one
   float guard_px = 0.0F;   // further from the cell's centre than this, Gray code and phase contradict each other
-  bool repair = false;     // the cell is about as wide as the period: let the weak bit say at which border a pixel is
 };
 
 // Centre of the Gray cell, cut at the extent. order_safe = 0 where a weak bit might mean another than the next cell,
@@ -46,7 +45,15 @@ void gray_only_row(const std::uint16_t* code, const std::uint16_t* weak, int cou
 void gray_phase_row(const float* turn, const std::uint16_t* code, const std::uint16_t* weak, int count,
                     const CellRule& rule, float* x_px, std::uint8_t* order_safe);
 
-// Amplitudes below `least_sigmas` of their noise are not measured; the noise is noise_gain times that of one grey level.
+// For cells about as wide as the period, whose two borders look alike to the phase: at a border the weak bit says which
+// of the two it is, and the phase on which side of it; without a single weak bit, order_safe = 0 within five standard
+// deviations of the phase noise (noise_px = its sigma times amplitude over the noise of one grey level).
+void settle_borders_row(const std::uint16_t* code, const std::uint16_t* weak, const float* amplitude8,
+                        const float* mean8, int count, const CellRule& rule, float noise_px, float* x_px,
+                        std::uint8_t* order_safe);
+
+// Amplitudes below `least_sigmas` of their noise are not measured; the noise is noise_gain times that of one grey
+// level.
 struct StateRule {
   float least_sigmas = 1.0F;
   float noise_gain = 1.0F;

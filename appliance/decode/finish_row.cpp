@@ -1,5 +1,6 @@
 #include <algorithm>
 
+#include "base/units.hpp"
 #include "decode/finish_kernels.hpp"
 #include "decode/gray_rows.hpp"
 #include "decode/order_search.hpp"
@@ -13,6 +14,7 @@ namespace {
 constexpr float kLeastPhaseSigmas = 6.4F;
 // A bright and a dark Gray stripe lie this many standard deviations from their threshold: one in 100,000 is misread.
 constexpr float kLeastGraySigmas = 4.4F;
+constexpr float kGrayNoiseGain = 1.2247F;  // one frame against the mean of two: sqrt(3 / 2)
 
 AxisRow take_axis_row(Arena& arena, std::size_t cols) {
   return {arena.take<float>("decode scratch", cols), arena.take<float>("decode scratch", cols),
@@ -66,11 +68,27 @@ void gather_fringe(const RowContext& context, int channel, std::span<float> turn
 }
 
 CellRule cell_rule(const GrayCode& code, const AxisPlan& axis, double period_px) {
-  const bool repair = code.weak_fraction > 0.0F;
-  const double guard_px = repair ? period_px : 0.25 * (code.cell_px + period_px);
-  return {static_cast<float>(code.cell_px),     code.cells,
-          static_cast<float>(axis.extent_px),   static_cast<float>(period_px),
-          static_cast<float>(guard_px), repair};
+  const bool settled = code.weak_fraction > 0.0F;  // by settle_borders_row instead
+  const double guard_px = settled ? period_px : 0.25 * (code.cell_px + period_px);
+  return {static_cast<float>(code.cell_px), code.cells, static_cast<float>(axis.extent_px),
+          static_cast<float>(period_px), static_cast<float>(guard_px)};
+}
+
+// The coordinate from fringes, with their order from Gray code or from each other.
+void order_fringes(const RowContext& context, const AxisPlan& axis, const GrayCode* code, RowScratch& scratch) {
+  if (axis.method == Method::kSearch) {
+    order_search_row(*context.plan, axis, code, scratch, context.cols);
+    return;
+  }
+  const PhaseChannel& fringes = context.plan->channels[static_cast<std::size_t>(axis.channels[0])];
+  const CellRule rule = cell_rule(*code, axis, fringes.period_px);
+  float* x_px = scratch.current.x_px.data();
+  gray_phase_row(scratch.turn[0].data(), scratch.code.data(), scratch.weak.data(), context.cols, rule, x_px,
+                 scratch.order_safe.data());
+  if (code->weak_fraction == 0.0F) return;
+  settle_borders_row(scratch.code.data(), scratch.weak.data(), scratch.amplitude8[0].data(), scratch.mean8.data(),
+                     context.cols, rule, static_cast<float>(fringes.noise_gain * fringes.period_px / (2.0 * kPi)), x_px,
+                     scratch.order_safe.data());
 }
 
 // Decodes one axis of one exposure into scratch.current.
@@ -79,35 +97,26 @@ void decode_axis(const RowContext& context, const ExposurePlan& exposure, const 
                  int row) {
   const int cols = context.cols;
   AxisRow& out = scratch.current;
+  const GrayCode* code = axis.gray == kNone ? nullptr : &context.plan->grays[static_cast<std::size_t>(axis.gray)];
+  if (code != nullptr) gather_gray<Pixel>(context, *code, scratch, row);
+  if (axis.method == Method::kGrayOnly) {
+    gray_only_row(scratch.code.data(), scratch.weak.data(), cols, cell_rule(*code, axis, code->cell_px),
+                  out.x_px.data(), scratch.order_safe.data());
+    std::copy_n(scratch.half8.data(), cols, out.amplitude8.data());
+    state_row(out.amplitude8.data(), scratch.mean8.data(), scratch.half8.data(), scratch.order_safe.data(), cols,
+              {kLeastGraySigmas, kGrayNoiseGain}, out.state.data());
+    return;
+  }
   for (std::size_t c = 0; c < axis.channels.size(); ++c) {
     gather_fringe<Pixel>(context, axis.channels[c], scratch.turn[c], scratch.amplitude8[c], row);
   }
-  const GrayCode* code = axis.gray == kNone ? nullptr : &context.plan->grays[static_cast<std::size_t>(axis.gray)];
-  if (code != nullptr) gather_gray<Pixel>(context, *code, scratch, row);
-
-  StateRule rule{.least_sigmas = kLeastGraySigmas, .noise_gain = 1.2247F};
-  std::span<const float> amplitude8 = scratch.half8;
-  if (axis.method != Method::kGrayOnly) {
-    const PhaseChannel& finest = context.plan->channels[static_cast<std::size_t>(axis.channels[0])];
-    rule = {.least_sigmas = kLeastPhaseSigmas, .noise_gain = static_cast<float>(finest.noise_gain)};
-    amplitude8 = scratch.amplitude8[0];
-    if (axis.method == Method::kGrayPhase) {
-      gray_phase_row(scratch.turn[0].data(), scratch.code.data(), scratch.weak.data(), cols,
-                     cell_rule(*code, axis, finest.period_px), out.x_px.data(), scratch.order_safe.data());
-    } else {
-      order_search_row(*context.plan, axis, code, scratch, cols);
-    }
-  } else {
-    gray_only_row(scratch.code.data(), scratch.weak.data(), cols, cell_rule(*code, axis, code->cell_px),
-                  out.x_px.data(), scratch.order_safe.data());
-  }
-  std::copy_n(amplitude8.data(), cols, out.amplitude8.data());
-  state_row(amplitude8.data(), scratch.mean8.data(), scratch.half8.data(), scratch.order_safe.data(), cols, rule,
-            out.state.data());
-  if (axis.method != Method::kGrayOnly) {
-    mark_saturated_row(context.store.row<const std::uint8_t>(context.plan->flags_plane, row), cols,
-                       exposure.saturation_bit, out.state.data());
-  }
+  order_fringes(context, axis, code, scratch);
+  const PhaseChannel& finest = context.plan->channels[static_cast<std::size_t>(axis.channels[0])];
+  std::copy_n(scratch.amplitude8[0].data(), cols, out.amplitude8.data());
+  state_row(out.amplitude8.data(), scratch.mean8.data(), scratch.half8.data(), scratch.order_safe.data(), cols,
+            {kLeastPhaseSigmas, static_cast<float>(finest.noise_gain)}, out.state.data());
+  mark_saturated_row(context.store.row<const std::uint8_t>(context.plan->flags_plane, row), cols,
+                     exposure.saturation_bit, out.state.data());
 }
 
 // Takes over the pixels that the current exposure measured better.

@@ -51,26 +51,26 @@ BELTPICK_INLINE void widen_extremes(const Pixel* levels, int count, bool first, 
   }
 }
 
-// `threshold(i)` gives the level that parts bright from dark.
-template <class Pixel, class ThresholdOf>
+// `threshold(i)` gives the level that parts bright from dark, contrast(i) how far (at most) both lie from it.
+template <class Pixel, class ThresholdOf, class ContrastOf>
 BELTPICK_INLINE void resolve(const Pixel* levels, int count, const BitRule& rule, std::uint16_t* code,
-                             std::uint16_t* weak, ThresholdOf threshold) {
+                             std::uint16_t* weak, ThresholdOf threshold, ContrastOf contrast) {
   const float noise = kWeakSigmas * kWeakSigmas * rule.noise_factor;
   const float floor = noise * kCameraNoise.floor_variance;
   const float shot = noise * kCameraNoise.shot_variance_per_level;
   const float to_level8 = rule.to_level8;
-  const float near = 2.0F * rule.weak_fraction;
-  const float sign = rule.inverted ? -1.0F : 1.0F;
+  const float near = rule.weak_fraction * rule.to_level8;
+  const unsigned flip = rule.inverted ? rule.mask : 0U;
   const auto mask = rule.mask;
   const auto keep = static_cast<std::uint16_t>(rule.first ? 0U : 0xFFFFU);
   for (int i = 0; i < count; ++i) {
     const float middle = threshold(i) * to_level8;
-    const float margin = sign * (static_cast<float>(levels[i]) * to_level8 - middle);
-    const float near_squared = near * middle * (near * middle);
-    const float weak_squared = std::max(floor + shot * middle, near_squared);
+    const float margin = static_cast<float>(levels[i]) * to_level8 - middle;
+    const float within = near * contrast(i);
+    const float weak_squared = std::max(floor + shot * middle, within * within);
     const unsigned bright = margin > 0.0F ? mask : 0U;
     const unsigned is_weak = margin * margin < weak_squared ? mask : 0U;
-    code[i] = static_cast<std::uint16_t>((code[i] & keep) | bright);
+    code[i] = static_cast<std::uint16_t>((code[i] & keep) | (bright ^ flip));
     weak[i] = static_cast<std::uint16_t>((weak[i] & keep) | is_weak);
   }
 }
@@ -78,23 +78,26 @@ BELTPICK_INLINE void resolve(const Pixel* levels, int count, const BitRule& rule
 template <class Pixel>
 BELTPICK_INLINE void resolve_twin(const Pixel* levels, const Pixel* twin, int count, const BitRule& rule,
                                   std::uint16_t* code, std::uint16_t* weak) {
-  resolve(levels, count, rule, code, weak,
-          [=](int i) { return 0.5F * (static_cast<float>(levels[i]) + static_cast<float>(twin[i])); });
+  const auto middle = [=](int i) { return 0.5F * (static_cast<float>(levels[i]) + static_cast<float>(twin[i])); };
+  resolve(levels, count, rule, code, weak, middle, middle);
 }
 
 template <class Pixel>
 BELTPICK_INLINE void resolve_midpoint(const Pixel* levels, const Pixel* white, const Pixel* black, int count,
                                       const BitRule& rule, std::uint16_t* code, std::uint16_t* weak) {
   const float half = 0.5F * rule.scale;
-  resolve(levels, count, rule, code, weak,
-          [=](int i) { return half * (static_cast<float>(white[i]) + static_cast<float>(black[i])); });
+  resolve(
+      levels, count, rule, code, weak,
+      [=](int i) { return half * (static_cast<float>(white[i]) + static_cast<float>(black[i])); },
+      [=](int i) { return half * (static_cast<float>(white[i]) - static_cast<float>(black[i])); });
 }
 
 template <class Pixel, class Sum>
 BELTPICK_INLINE void resolve_mean(const Pixel* levels, const Sum* mean, int count, const BitRule& rule,
                                   std::uint16_t* code, std::uint16_t* weak) {
   const float scale = rule.scale;
-  resolve(levels, count, rule, code, weak, [=](int i) { return scale * static_cast<float>(mean[i]); });
+  const auto middle = [=](int i) { return scale * static_cast<float>(mean[i]); };
+  resolve(levels, count, rule, code, weak, middle, middle);
 }
 
 }  // namespace

@@ -28,7 +28,7 @@ void widen_extremes_row(const std::uint16_t* levels, int count, bool first, std:
 // How one Gray frame is turned into bits.
 struct BitRule {
   std::uint16_t mask = 1;      // of this bit
-  bool inverted = false;       // bright means 0
+  bool inverted = false;       // bright means 0; twins come upright first instead
   bool first = false;          // sets code and weak instead of adding to them
   float to_level8 = 1.0F;      // 255 / full_scale
   float scale = 1.0F;          // of the threshold
@@ -37,11 +37,12 @@ struct BitRule {
 };
 
 // code |= mask where the level lies above the threshold; weak |= mask where it lies nearer to it than four standard
-// deviations of the camera's noise, or than weak_fraction of the contrast.
+// deviations of the camera's noise, or than weak_fraction of half the contrast (of the
+// threshold itself where no black tells the contrast).
 // Threshold: midway to the inverted twin; midway between white and black, times scale; mean times scale.
-void resolve_twin_row(const std::uint8_t* levels, const std::uint8_t* twin, int count, const BitRule& rule,
+void resolve_twin_row(const std::uint8_t* upright, const std::uint8_t* inverted, int count, const BitRule& rule,
                       std::uint16_t* code, std::uint16_t* weak);
-void resolve_twin_row(const std::uint16_t* levels, const std::uint16_t* twin, int count, const BitRule& rule,
+void resolve_twin_row(const std::uint16_t* upright, const std::uint16_t* inverted, int count, const BitRule& rule,
                       std::uint16_t* code, std::uint16_t* weak);
 void resolve_midpoint_row(const std::uint8_t* levels, const std::uint8_t* white, const std::uint8_t* black, int count,
                           const BitRule& rule, std::uint16_t* code, std::uint16_t* weak);

@@ -72,12 +72,13 @@ Result<GrayCode> chain_gray(const Sequence& sequence, const ExposureRanks& ranks
     if (first_missing_px == 0.0) first_missing_px = missing_px;
   }
   if (all.empty()) return GrayCode{};
-  return failure(ResultCode::kSequenceUndecodable,
-                 "%s axis: the Gray frame with stripes of %g px (cell_px %g, bit %d) is missing; a Gray code from %g px "
-                 "over %g px needs every doubling",
-                 axis_name(axis), first_missing_px, all.front().width_px,
-                 static_cast<int>(std::lround(std::log2(first_missing_px / all.front().width_px))),
-                 all.front().width_px, extent_px);
+  return failure(
+      ResultCode::kSequenceUndecodable,
+      "%s axis: the Gray frame with stripes of %g px (cell_px %g, bit %d) is missing; a Gray code from %g px "
+      "over %g px needs every doubling",
+      axis_name(axis), first_missing_px, all.front().width_px,
+      static_cast<int>(std::lround(std::log2(first_missing_px / all.front().width_px))), all.front().width_px,
+      extent_px);
 }
 
 }  // namespace beltpick::decode

@@ -22,10 +22,15 @@ void resolve_bit_row(const RowContext& context, const GrayCode& code, const Reso
                .scale = threshold.scale,
                .weak_fraction = code.weak_fraction};
   switch (threshold.kind) {
-    case ThresholdKind::kTwin:
+    case ThresholdKind::kTwin: {
       rule.noise_factor = 0.5F;  // half the difference of two frames
-      resolve_twin_row(levels, context.store.row<Pixel>(threshold.plane, row), context.cols, rule, bits, weak);
+      rule.inverted = false;
+      const Pixel* other = context.store.row<const Pixel>(threshold.plane, row);
+      const Pixel* upright = work.inverted ? other : levels;
+      const Pixel* inverted = work.inverted ? levels : other;
+      resolve_twin_row(upright, inverted, context.cols, rule, bits, weak);
       return;
+    }
     case ThresholdKind::kMidpoint:
       rule.noise_factor = 1.5F;  // one frame against the mean of two
       resolve_midpoint_row(levels, context.store.row<Pixel>(threshold.plane, row),

@@ -12,9 +12,9 @@ namespace {
 constexpr float kTurn = 0.15915494309F;
 // What the periods may disagree by without noise, in turns: ripple of the projector's gamma on few steps, defocus.
 constexpr float kModelErrorTurns = 0.004F;
-// The best order must fit within four standard deviations a period, and every other be this much less likely.
+// The best order must fit within four standard deviations a period, and every other fit worse by five squared.
 constexpr float kMaxMisfit = 16.0F;
-constexpr float kLeastLead = 9.0F;
+constexpr float kLeastLead = 25.0F;
 
 // The range in which the pixel lies.
 struct Window {

@@ -67,9 +67,9 @@ struct GrayBit {
 struct GrayCode {
   double cell_px = 0.0;
   int cells = 0;
-  std::vector<GrayBit> bits;                    // least significant first
-  int code_plane = kNone, weak_plane = kNone;   // kNone where every bit waits until the end
-  float weak_fraction = 0.0F;                   // of the brightness: how near the threshold a bit counts as weak
+  std::vector<GrayBit> bits;                   // least significant first
+  int code_plane = kNone, weak_plane = kNone;  // kNone where every bit waits until the end
+  float weak_fraction = 0.0F;                  // of half the contrast: a bit nearer its threshold counts as weak
 };
 
 enum class Method : std::uint8_t { kNotCoded, kGrayOnly, kGrayPhase, kSearch };

@@ -1,5 +1,5 @@
-#include "contract/result_codes.hpp"
 #include "decode/plan_builder.hpp"
+#include "contract/result_codes.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -57,8 +57,8 @@ Result<void> PlanBuilder::plan_exposure(int exposure) {
   ExposurePlan& plan = plan_.exposures.emplace_back();
   plan.saturation_bit = static_cast<std::uint8_t>(1U << static_cast<unsigned>(exposure));
   for (int i = 0; i < static_cast<int>(plan_.frames.size()); ++i) {
-    const bool of_this = ranks_.rank[static_cast<std::size_t>(i)] == exposure ||
-                         (ranks_.exposures == 1 && ranks_.belongs(i, exposure));
+    const bool of_this =
+        ranks_.rank[static_cast<std::size_t>(i)] == exposure || (ranks_.exposures == 1 && ranks_.belongs(i, exposure));
     if (of_this && (plan.exposure_us == 0.0 || spec(i).kind == FrameKind::kPhase)) {
       plan.exposure_us = spec(i).exposure_us;
     }
