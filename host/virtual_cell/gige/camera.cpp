@@ -36,6 +36,7 @@ Result<std::unique_ptr<Camera>> Camera::open(CameraSettings settings) {
   auto control = ControlChannel::open(ip, camera->bank_, std::move(events));
   if (!control) return std::unexpected(control.error());
   camera->control_ = std::move(*control);
+  camera->exposure_ = std::thread([raw] { raw->run_exposures(); });
   camera->readout_ = std::thread([raw] { raw->run_readout(); });
   return camera;
 }
@@ -53,6 +54,7 @@ Camera::~Camera() {
     stop_ = true;
   }
   wake_.notify_all();
+  if (exposure_.joinable()) exposure_.join();
   if (readout_.joinable()) readout_.join();
 }
 
@@ -63,7 +65,7 @@ void Camera::register_written(std::uint32_t at, std::uint32_t value) {
   if (at == address::kTriggerSoftware && value != 0 && bank_.get(address::kTriggerSource) == kSourceSoftware) {
     const std::int64_t now_us = monotonic_us();
     const std::scoped_lock lock(mutex_);
-    exposed_.push_back({{0, now_us, now_us + std::llround(bank_.get_double(address::kExposureTime))}, {}});
+    exposing_.push_back({{0, now_us, now_us + std::llround(bank_.get_double(address::kExposureTime))}, {}});
     wake_.notify_all();
   }
   configure_sensor();
@@ -84,6 +86,7 @@ void Camera::stop_acquisition() {
   acquiring_ = false;
   configure_sensor();
   const std::scoped_lock lock(mutex_);
+  exposing_.clear();
   exposed_.clear();
 }
 
@@ -113,31 +116,40 @@ void Camera::line_edge(bool rising, std::int64_t time_us) {
   }
   if (!event) return;
   if (event->started && settings_.exposure_began) settings_.exposure_began(event->exposure);
+  if (event->ended && settings_.exposure_ended) settings_.exposure_ended(event->exposure);
   if (event->exposure.end_us == 0) return;
   const std::scoped_lock lock(mutex_);
-  exposed_.push_back({event->exposure, current_fault_});
+  (event->ended ? exposed_ : exposing_).push_back({event->exposure, current_fault_});
   wake_.notify_all();
 }
 
-void Camera::run_readout() {
-  for (;;) {
-    Shot shot;
-    {
-      std::unique_lock lock(mutex_);
-      wake_.wait(lock, [this] { return stop_ || !exposed_.empty(); });
-      if (stop_) return;
-      shot = exposed_.front();
-      exposed_.pop_front();
-    }
-    wait_for_end(shot.exposure);
+bool Camera::take(std::deque<Shot>& from, Shot& shot) {
+  std::unique_lock lock(mutex_);
+  wake_.wait(lock, [&] { return stop_ || !from.empty(); });
+  if (stop_) return false;
+  shot = from.front();
+  from.pop_front();
+  return true;
+}
+
+// Ends Timed exposures on time, whatever the readout of the frame before still does.
+void Camera::run_exposures() {
+  Shot shot;
+  while (take(exposing_, shot)) {
+    const std::int64_t left_us = shot.exposure.end_us - monotonic_us();
+    if (left_us > 0) std::this_thread::sleep_for(std::chrono::microseconds(left_us));
     if (settings_.exposure_ended) settings_.exposure_ended(shot.exposure);
-    if (acquiring_ && !dead_) read_out(shot);
+    const std::scoped_lock lock(mutex_);
+    exposed_.push_back(shot);
+    wake_.notify_all();
   }
 }
 
-void Camera::wait_for_end(const Exposure& exposure) {
-  const std::int64_t left_us = exposure.end_us - monotonic_us();
-  if (left_us > 0) std::this_thread::sleep_for(std::chrono::microseconds(left_us));
+void Camera::run_readout() {
+  Shot shot;
+  while (take(exposed_, shot)) {
+    if (acquiring_ && !dead_) read_out(shot);
+  }
 }
 
 void Camera::read_out(const Shot& shot) {
@@ -194,6 +206,7 @@ void Camera::die() {
 }
 
 void Camera::revive() {
+  if (!dead_) return;
   bank_.power_cycle();
   bank_.set(address::kStreamSourcePort, stream_->port());
   configure_sensor();

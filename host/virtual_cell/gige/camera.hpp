@@ -41,7 +41,7 @@ struct CameraSettings {
   double bytes_per_second = 118e6;       // of the stream: gigabit Ethernet
   // Makes the image of an exposure, sensor size; called in the readout thread.
   std::function<void(ImageView<std::uint8_t>, const Exposure&)> fill;
-  // The exposure strobe; begin is called in the thread of the edge.
+  // The exposure strobe, in the thread of the edge; the end of a Timed exposure in a thread of the camera.
   std::function<void(const Exposure&)> exposure_began;
   std::function<void(const Exposure&)> exposure_ended;
 };
@@ -80,8 +80,9 @@ class Camera {
   };
 
   std::optional<FrameFault> take_fault();
+  void run_exposures();
   void run_readout();
-  void wait_for_end(const Exposure& exposure);
+  bool take(std::deque<Shot>& from, Shot& shot);
   void read_out(const Shot& shot);
   std::shared_ptr<StreamFrame> make_frame(const Shot& shot);
   [[nodiscard]] StreamDestination destination() const;
@@ -97,7 +98,8 @@ class Camera {
   mutable std::mutex mutex_;  // guards what follows
   std::condition_variable wake_;
   Sensor sensor_;
-  std::deque<Shot> exposed_;
+  std::deque<Shot> exposing_;                   // Timed: their end lies ahead
+  std::deque<Shot> exposed_;                    // to be read out
   std::map<std::uint64_t, FrameFault> faults_;  // by the number of the edge, counted over the camera's life
   std::uint64_t edges_ = 0;
   std::optional<FrameFault> current_fault_;  // of the exposure that is open
@@ -105,6 +107,7 @@ class Camera {
 
   std::vector<std::uint8_t> image_;  // sensor size; of the readout thread
   std::uint16_t block_id_;
+  std::thread exposure_;
   std::thread readout_;
 };
 
