@@ -172,28 +172,53 @@ int JsonObject::choice(std::string_view member, std::initializer_list<std::strin
   return 0;
 }
 
-std::vector<double> JsonObject::numbers(std::string_view member, int rows, int columns) {
-  const std::string expected = rows == 0 ? "an array of " + std::to_string(columns) + " numbers"
-                                         : std::to_string(rows) + " rows of " + std::to_string(columns) + " numbers";
-  std::vector<double> out;
-  const auto read_row = [&](const nlohmann::json& row) {
-    if (!row.is_array() || row.size() != static_cast<std::size_t>(columns)) return false;
-    for (const nlohmann::json& value : row) {
-      if (!value.is_number() || !std::isfinite(value.get<double>())) return false;
-      out.push_back(value.get<double>());
-    }
-    return true;
-  };
-  const nlohmann::json* value = require(member, expected, false);
-  bool good = value != nullptr && value->is_array();
-  if (good && rows == 0) {
-    good = read_row(*value);
-  } else if (good) {
-    good = value->size() == static_cast<std::size_t>(rows) && std::all_of(value->begin(), value->end(), read_row);
+namespace {
+
+// Appends `columns` finite numbers; false for anything else.
+bool read_row(const nlohmann::json& row, int columns, std::vector<double>& out) {
+  if (!row.is_array() || row.size() != static_cast<std::size_t>(columns)) return false;
+  for (const nlohmann::json& value : row) {
+    if (!value.is_number() || !std::isfinite(value.get<double>())) return false;
+    out.push_back(value.get<double>());
   }
+  return true;
+}
+
+bool read_matrix(const nlohmann::json& value, int rows, int columns, std::vector<double>& out) {
+  return value.is_array() && value.size() == static_cast<std::size_t>(rows) &&
+         std::all_of(value.begin(), value.end(), [&](const auto& row) { return read_row(row, columns, out); });
+}
+
+std::string matrix_text(int rows, int columns) {
+  return std::to_string(rows) + " rows of " + std::to_string(columns) + " numbers";
+}
+
+}  // namespace
+
+std::vector<double> JsonObject::numbers(std::string_view member, int rows, int columns) {
+  const std::string expected =
+      rows == 0 ? "an array of " + std::to_string(columns) + " numbers" : matrix_text(rows, columns);
+  std::vector<double> out;
+  const nlohmann::json* value = require(member, expected, false);
+  const bool good =
+      value != nullptr && (rows == 0 ? read_row(*value, columns, out) : read_matrix(*value, rows, columns, out));
   if (!good && value != nullptr) fail(ResultCode::kFormatInvalid, member, expected, describe(*value));
   out.resize(static_cast<std::size_t>(std::max(rows, 1) * columns));
   return out;
+}
+
+std::vector<std::vector<double>> JsonObject::matrices(std::string_view member, int rows, int columns) {
+  const std::string expected = "an array of matrices of " + matrix_text(rows, columns);
+  std::vector<std::vector<double>> out;
+  const nlohmann::json* value = require(member, expected, false);
+  if (value == nullptr) return out;
+  bool good = value->is_array();
+  for (std::size_t i = 0; good && i < value->size(); ++i) {
+    good = read_matrix((*value)[i], rows, columns, out.emplace_back());
+  }
+  if (good) return out;
+  fail(ResultCode::kFormatInvalid, member, expected, describe(*value));
+  return {};
 }
 
 JsonObject JsonObject::object(std::string_view member) {

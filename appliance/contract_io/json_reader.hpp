@@ -80,6 +80,9 @@ class JsonObject {
   // Texts; required, perhaps none.
   std::vector<std::string> texts(std::string_view member);
 
+  // An array of matrices, each as numbers() gives it.
+  std::vector<std::vector<double>> matrices(std::string_view member, int rows, int columns);
+
   JsonObject object(std::string_view member);
   // The members of an array of objects; empty after an error.
   std::vector<JsonObject> objects(std::string_view member);

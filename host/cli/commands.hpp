@@ -15,5 +15,6 @@ using Run = std::function<Result<void>(Session&)>;
 Run add_patterns(CLI::App& app);
 Run add_registers(CLI::App& app);
 Run add_teach(CLI::App& app);
+Run add_simulate(CLI::App& app);
 
 }  // namespace beltpick::cli

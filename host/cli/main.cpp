@@ -23,11 +23,13 @@ struct Command {
 constexpr const char* kSetUp = "Setting up a cell";
 constexpr const char* kMeasure = "Measuring";
 constexpr const char* kReference = "Reference";
+constexpr const char* kTryOut = "Trying out without hardware";
 
 // A line a command, in the order in which --help shows them.
 constexpr Command kCommands[] = {
     {"patterns", kSetUp, "write the images that the projector shows, and sequence.json", add_patterns},
     {"teach", kSetUp, "make a part's template from its mesh or scan", add_teach},
+    {"simulate", kTryOut, "write captures of the virtual cell, with their truth", add_simulate},
     {"registers", kReference, "print the PLC's registers and the result codes", add_registers},
 };
 

@@ -54,8 +54,8 @@ Surface steel_surface(const Vec3f& local_mm, const Vec3f& normal, std::uint32_t 
   const float oil = step_between(0.28F, 0.42F, smooth_noise(local_mm / 24.0F, seed + 23U));
   Surface s;
   s.diffuse = 0.26F * (1.0F + 0.14F * grain + 0.18F * stain) * (1.0F - 0.40F * oil);
-  s.specular = 0.22F * (1.0F + 0.15F * stain);
-  s.roughness = mix(0.52F + 0.05F * stain, 0.20F, oil);
+  s.specular = 0.22F * (1.0F + 0.15F * stain) * (1.0F - 0.45F * oil);
+  s.roughness = mix(0.52F + 0.05F * stain, 0.32F, oil);
   s.normal = roughened(normal, local_mm / 1.3F, mix(0.09F, 0.03F, oil), seed + 37U);
   return s;
 }
@@ -65,7 +65,7 @@ Surface belt_surface(const Vec3f& belt_mm, const Vec3f& normal, std::uint32_t se
   const float weave = std::sin(belt_mm.x() * 2.9F) * std::sin(belt_mm.y() * 2.9F);
   const float dirt = smooth_noise(flat / 18.0F, seed);
   Surface s;
-  s.diffuse = 0.085F * (1.0F + 0.12F * weave + 0.10F * smooth_noise(flat / 0.9F, seed + 5U) + 0.22F * dirt);
+  s.diffuse = 0.10F * (1.0F + 0.12F * weave + 0.10F * smooth_noise(flat / 0.9F, seed + 5U) + 0.22F * dirt);
   s.specular = 0.02F;
   s.roughness = 0.7F;
   s.normal = normal;

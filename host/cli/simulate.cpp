@@ -1,0 +1,236 @@
+// beltpick simulate: scenes of the virtual cell written as CAPTURE folders with their truth.
+#include <algorithm>
+#include <cstdio>
+#include <memory>
+
+#include "commands.hpp"
+#include "contract/result_codes.hpp"
+#include "contract/sequences.hpp"
+#include "contract_io/calibration_io.hpp"
+#include "contract_io/capture_io.hpp"
+#include "contract_io/file_io.hpp"
+#include "options.hpp"
+#include "progress.hpp"
+#include "virtual_cell/render/capture_folder.hpp"
+#include "virtual_cell/render/rig_calibration.hpp"
+#include "virtual_cell/render/scene.hpp"
+
+namespace beltpick::cli {
+namespace {
+
+namespace vc = virtual_cell;
+
+const std::vector<std::string> kSequences{"fast", "standard", "robust"};
+const std::vector<std::string> kAxes{"column", "row", "both"};
+const std::vector<std::string> kLays{"flat", "edge", "any", "leaning", "cut"};
+
+struct SimulateOptions {
+  std::string out, write_parts, rig_file, camera_size, projector_size;
+  std::string scene = "belt", sequence = "standard", axes = "column";
+  std::vector<std::string> parts{"knuckle"}, lays;
+  double mm_per_unit = 1.0;
+  int count = 1, parts_in_view = 3;
+  std::uint64_t seed = 1;
+  bool noise_free = false;
+  vc::RigOptions rig;
+  vc::RenderOptions render;
+};
+
+Result<vc::Rig> make_rig(const SimulateOptions& options, const CLI::App& app) {
+  vc::RigOptions chosen = options.rig;
+  if (!options.rig_file.empty()) {
+    for (const char* flag : {"--distance-mm", "--angle-deg", "--field-mm"}) {
+      if (app.count(flag) > 0) return failure(ResultCode::kUsage, "%s: does not go with --rig; write it there", flag);
+    }
+    const auto read = vc::read_rig_options(options.rig_file);
+    if (!read) return std::unexpected(read.error());
+    chosen = *read;
+  }
+  if (!options.camera_size.empty()) {
+    const auto size = parse_size(options.camera_size, "--camera");
+    if (!size) return std::unexpected(size.error());
+    chosen.camera_width = size->width;
+    chosen.camera_height = size->height;
+  }
+  if (!options.projector_size.empty()) {
+    const auto size = parse_size(options.projector_size, "--projector");
+    if (!size) return std::unexpected(size.error());
+    chosen.projector_width = size->width;
+    chosen.projector_height = size->height;
+  }
+  return vc::make_rig(chosen);
+}
+
+// A named sequence for the rig's projector, or a sequence.json made for it.
+Result<Sequence> find_sequence(const SimulateOptions& options, const vc::Rig& rig, const Session& session) {
+  const ProjectorGrid grid{rig.projector.width, rig.projector.height, rig.layout};
+  const auto named = std::find(kSequences.begin(), kSequences.end(), options.sequence);
+  if (named != kSequences.end()) {
+    const auto axes = std::find(kAxes.begin(), kAxes.end(), options.axes);
+    return make_sequence(static_cast<SequenceName>(named - kSequences.begin()), grid,
+                         static_cast<SequenceAxes>(axes - kAxes.begin()));
+  }
+  contract_io::Warnings warnings;
+  auto sequence = contract_io::read_sequence(options.sequence, warnings);
+  session.warn(warnings);
+  if (sequence && (sequence->projector.width != grid.width || sequence->projector.height != grid.height)) {
+    return failure(ResultCode::kCalibrationMismatch,
+                   "%s: projector: expected the rig's %dx%d, found %dx%d; give --projector to match",
+                   options.sequence.c_str(), grid.width, grid.height, sequence->projector.width,
+                   sequence->projector.height);
+  }
+  return sequence;
+}
+
+Result<std::vector<vc::ScenePart>> load_parts(const SimulateOptions& options) {
+  std::vector<vc::ScenePart> parts;
+  for (const std::string& name : options.parts) {
+    auto part = vc::load_part(name, options.mm_per_unit);
+    if (!part) return std::unexpected(part.error());
+    parts.push_back(std::move(*part));
+  }
+  return parts;
+}
+
+Result<vc::Scene> make_scene(const SimulateOptions& options, const vc::SceneMaker& maker, std::uint64_t seed) {
+  if (options.scene.starts_with("paper:")) return maker.make_paper_scene(std::atoi(options.scene.c_str() + 6), seed);
+  if (options.scene == "bare" || options.scene == "plane") return vc::Scene{};
+  if (options.scene != "belt")
+    return failure(ResultCode::kUsage, "--scene: expected paper:1..12, belt, plane or bare, found '%s'",
+                   contract_io::one_line(options.scene).substr(0, 60).c_str());
+  if (options.lays.empty() && options.parts_in_view == 3) return maker.make_belt(3, seed).front();
+  std::vector<vc::Lay> lays(static_cast<std::size_t>(options.parts_in_view), vc::Lay::kAny);
+  for (std::size_t i = 0; i < options.lays.size(); ++i) {
+    const auto lay = std::find(kLays.begin(), kLays.end(), options.lays[i]) - kLays.begin();
+    if (i >= lays.size()) lays.push_back(vc::Lay::kAny);
+    lays[i] = static_cast<vc::Lay>(lay);
+  }
+  return maker.make(lays, seed);
+}
+
+Result<void> write_rig_files(const vc::Rig& rig, const Sequence& sequence, const std::filesystem::path& folder) {
+  const Calibration calibration = vc::calibrate_rig(rig).calibration;
+  if (auto made = contract_io::make_folder(folder); !made) return made;
+  if (auto written = contract_io::write_calibration(folder / "calibration.json", calibration); !written) return written;
+  if (auto written = contract_io::write_cell(folder / "cell.json", vc::make_cell(rig, calibration)); !written)
+    return written;
+  return contract_io::write_sequence(folder / "sequence.json", sequence);
+}
+
+struct Rendered {
+  contract_io::Json captures = contract_io::Json::array();
+  std::string text;
+};
+
+// The captures of --count scenes, one folder each.
+Result<Rendered> render(const SimulateOptions& options, const vc::Rig& rig, const Sequence& sequence,
+                        const std::vector<vc::ScenePart>& parts, bool quiet) {
+  Rendered rendered;
+  const vc::SceneMaker maker(parts, rig);
+  vc::SceneRenderer renderer(rig, parts, options.render);
+  const int frames = static_cast<int>(sequence.frames.size());
+  Progress progress("simulate", options.count * frames, quiet);
+  int exposed = 0;
+  for (int k = 0; k < options.count; ++k) {
+    const std::uint64_t seed = options.seed + static_cast<std::uint64_t>(k);
+    const auto scene = make_scene(options, maker, seed);
+    if (!scene) return std::unexpected(scene.error());
+    char name[16];
+    std::snprintf(name, sizeof name, "%03d", k);
+    std::filesystem::path folder = options.out;
+    if (options.count > 1) folder /= name;
+    if (auto written = write_rig_files(rig, sequence, folder); !written) return std::unexpected(written.error());
+    const std::vector<vc::PartInstance> instances = vc::instances_of(*scene, rig);
+    renderer.place(instances, seed);
+    const Truth truth = vc::truth_of(renderer, instances, parts);
+    const auto written = vc::write_capture_folder(renderer, options.render, sequence, truth, {}, folder,
+                                                  [&] { progress.show(++exposed); });
+    if (!written) return std::unexpected(written.error());
+    rendered.captures.push_back({{"folder", folder.string()}, {"parts", truth.parts.size()}, {"frames", frames}});
+    rendered.text +=
+        folder.string() + ": " + std::to_string(frames) + " frames, " + std::to_string(truth.parts.size()) + " parts\n";
+  }
+  return rendered;
+}
+
+Result<void> run(SimulateOptions options, const CLI::App& app, Session& session) {
+  const auto parts = load_parts(options);
+  if (!parts) return std::unexpected(parts.error());
+  contract_io::Json answer = contract_io::Json::object();
+  std::string text;
+  if (!options.write_parts.empty()) {
+    for (const vc::ScenePart& part : *parts) {
+      if (auto written = vc::write_part(part, options.write_parts); !written) return written;
+      answer["parts"].push_back(options.write_parts + "/" + part.name + ".stl");
+      text += options.write_parts + "/" + part.name + ".stl\n";
+    }
+  }
+  if (!options.out.empty()) {
+    options.render.noise = !options.noise_free;
+    if (options.scene == "plane") options.render.background = vc::Background::kPlane;
+    const auto rig = make_rig(options, app);
+    if (!rig) return std::unexpected(rig.error());
+    const auto sequence = find_sequence(options, *rig, session);
+    if (!sequence) return std::unexpected(sequence.error());
+    const auto rendered = render(options, *rig, *sequence, *parts, session.json);
+    if (!rendered) return std::unexpected(rendered.error());
+    answer["captures"] = rendered->captures;
+    text += rendered->text;
+  }
+  if (options.out.empty() && options.write_parts.empty())
+    return failure(ResultCode::kUsage, "expected --out DIR or --write-parts DIR, found neither; see --help");
+  session.answer(answer, text);
+  return {};
+}
+
+void add_rig_options(CLI::App& app, SimulateOptions& options) {
+  app.add_option("--rig", options.rig_file, "TOML file of the rig's optics (default: the design's rig)")
+      ->type_name("FILE");
+  app.add_option("--camera", options.camera_size, "camera size in pixels (default 1280x960)");
+  app.add_option("--projector", options.projector_size, "projector size in pixels (default 912x1140)");
+  app.add_option("--distance-mm", options.rig.camera_distance_mm, "camera to belt (default 700)");
+  app.add_option("--angle-deg", options.rig.angle_deg, "between the axes of camera and projector (default 30)");
+  app.add_option("--field-mm", options.rig.field_width_mm, "width in view at the belt (default 400)");
+}
+
+void add_light_options(CLI::App& app, SimulateOptions& options) {
+  app.add_flag("--noise-free", options.noise_free, "no noise, flicker or sway; 8 bits all the same");
+  app.add_option("--projector-gamma", options.render.projector_gamma, "light over pattern value (default 1.03)")
+      ->check(CLI::Range(0.3, 3.0));
+  app.add_option("--ambient", options.render.ambient_share, "ambient light against white (default 0.06)")
+      ->check(CLI::Range(0.0, 2.0));
+  app.add_option("--sway-mm", options.render.sway_mm, "sway of the belt at its stop (default 0.25)")
+      ->check(CLI::Range(0.0, 20.0));
+  app.add_option("--exposure-us", options.render.nominal_exposure_us, "of every frame (default 8000)")
+      ->check(CLI::Range(1.0, 1e7));
+  app.add_option("--white-level", options.render.white_level,
+                 "of full scale, that white reaches on parts (default 0.87)")
+      ->check(CLI::Range(0.05, 4.0));
+}
+
+}  // namespace
+
+Run add_simulate(CLI::App& app) {
+  const auto options = std::make_shared<SimulateOptions>();
+  app.add_option("--out", options->out, "folder of the capture; with --count of 000, 001, ...")->type_name("DIR");
+  app.add_option("--scene", options->scene, "paper:1..12, belt, plane or bare (default belt)");
+  app.add_option("--part", options->parts, "knuckle, elbow, bracket or a mesh file; repeat to mix (default knuckle)");
+  app.add_option("--mm-per-unit", options->mm_per_unit, "of mesh files (default 1)")->check(CLI::Range(1e-6, 1e6));
+  app.add_option("--parts", options->parts_in_view, "parts in view of a belt (default 3)")->check(CLI::Range(1, 12));
+  app.add_option("--lay", options->lays, "how each of them lies: flat, edge, any, leaning, cut")
+      ->delimiter(',')
+      ->check(CLI::IsMember(kLays));
+  app.add_option("--seed", options->seed, "of scene, surfaces and noise (default 1)");
+  app.add_option("--count", options->count, "captures, seeds counting up (default 1)")->check(CLI::Range(1, 1000));
+  app.add_option("--sequence", options->sequence, "fast, standard, robust or a sequence.json (default standard)");
+  app.add_option("--axes", options->axes, "what a named sequence codes (default column)")->check(CLI::IsMember(kAxes));
+  app.add_option("--write-parts", options->write_parts, "write meshes and grasps of the parts")->type_name("DIR");
+  add_rig_options(app, *options);
+  add_light_options(app, *options);
+  example(app,
+          "  beltpick simulate --out scene --scene paper:5 --seed 7 --sequence standard\n"
+          "  beltpick simulate --write-parts parts --part knuckle --part elbow");
+  return [options, &app](Session& session) { return run(*options, app, session); };
+}
+
+}  // namespace beltpick::cli

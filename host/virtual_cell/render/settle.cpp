@@ -1,0 +1,263 @@
+#include "virtual_cell/render/settle.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <Eigen/Geometry>
+
+#include "virtual_cell/render/contact_field.hpp"
+#include "virtual_cell/render/surface_points.hpp"
+
+namespace beltpick::virtual_cell {
+namespace {
+
+// All per unit of mass; mm and s. The static load on a few contacts presses them in by some hundredths of a mm.
+constexpr double kGravity = 9810.0;
+constexpr double kStiffness = 2.5e5;
+constexpr double kDamping = 700.0;
+constexpr double kTangentialDamping = 1500.0;
+constexpr double kFriction = 0.35;
+constexpr double kLinearDrag = 1.0;
+constexpr double kAngularDrag = 6.0;  // rolling resistance: a round part comes to rest
+constexpr double kStepS = 2.0e-4;
+constexpr double kTimeLimitS = 3.0;
+constexpr double kStillMmPerS = 2.5;
+constexpr double kStillForS = 0.15;
+constexpr int kRefreshSteps = 16;
+constexpr double kNearMm = 2.4;  // points nearer than this to another surface are watched until the next refresh
+constexpr double kContactSpacingMm = 2.5;
+constexpr double kTouchMm = 0.4;
+constexpr int kBelt = -1;
+
+struct Body {
+  const ScenePart* part = nullptr;
+  const ContactField* field = nullptr;
+  const std::vector<Vec3>* points = nullptr;  // relative to the centre of mass
+  Vec3 centre_mm;
+  Eigen::Quaterniond turn;
+  Vec3 velocity = Vec3::Zero();
+  Vec3 spin = Vec3::Zero();  // rad/s, belt frame
+  Vec3 force = Vec3::Zero();
+  Vec3 torque = Vec3::Zero();
+  Mat3 inertia_per_mass;  // part frame
+  double radius_mm = 0.0;
+  Mat3 rotation;
+
+  [[nodiscard]] Vec3 to_part(const Vec3& belt_mm) const {
+    return rotation.transpose() * (belt_mm - centre_mm) + part->centre_of_mass_mm;
+  }
+};
+
+// A point of one body watched against the belt or another body.
+struct Watch {
+  int body, other;
+  const Vec3* point;
+};
+
+struct Contact {
+  Watch watch;
+  Vec3 arm, normal;
+  double depth;
+};
+
+Pose<frame::Belt, frame::Part> pose_of(const Body& body) {
+  return {body.rotation, body.centre_mm - body.rotation * body.part->centre_of_mass_mm};
+}
+
+}  // namespace
+
+struct Settler::State {
+  std::span<const ScenePart> parts;
+  std::vector<ContactField> fields;
+  std::vector<std::vector<Vec3>> points;  // relative to the centre of mass
+
+  [[nodiscard]] std::vector<Body> bodies(const Scene& scene) const;
+  [[nodiscard]] static std::vector<Watch> watches(const std::vector<Body>& bodies);
+  static void step(std::vector<Body>& bodies, const std::vector<Watch>& watches, std::vector<Contact>& contacts);
+  [[nodiscard]] double gap_mm(const Scene& scene, std::size_t index, bool with_belt) const;
+};
+
+std::vector<Body> Settler::State::bodies(const Scene& scene) const {
+  std::vector<Body> bodies;
+  for (const BeltPart& placed : scene) {
+    Body body;
+    body.part = &parts[placed.part];
+    body.field = &fields[placed.part];
+    body.points = &points[placed.part];
+    body.rotation = placed.T_belt_part.rotation;
+    body.turn = Eigen::Quaterniond(body.rotation);
+    body.centre_mm = placed.T_belt_part * body.part->centre_of_mass_mm;
+    body.inertia_per_mass = body.part->inertia_mm5 / body.part->volume_mm3;
+    for (const Vec3& p : *body.points) body.radius_mm = std::max(body.radius_mm, p.norm());
+    bodies.push_back(body);
+  }
+  return bodies;
+}
+
+std::vector<Watch> Settler::State::watches(const std::vector<Body>& bodies) {
+  std::vector<Watch> watched;
+  for (int a = 0; a < static_cast<int>(bodies.size()); ++a) {
+    for (const Vec3& point : *bodies[a].points) {
+      const Vec3 p = bodies[a].centre_mm + bodies[a].rotation * point;
+      if (p.z() < kNearMm) watched.push_back({a, kBelt, &point});
+      for (int b = 0; b < static_cast<int>(bodies.size()); ++b) {
+        if (b == a || (p - bodies[b].centre_mm).norm() > bodies[b].radius_mm + kNearMm) continue;
+        if (bodies[b].field->distance(bodies[b].to_part(p)) < kNearMm) watched.push_back({a, b, &point});
+      }
+    }
+  }
+  return watched;
+}
+
+// One semi-implicit Euler step. The contacts of a body share the stiffness, so that faces and corners are alike stiff.
+void Settler::State::step(std::vector<Body>& bodies, const std::vector<Watch>& watches,
+                          std::vector<Contact>& contacts) {
+  contacts.clear();
+  std::vector<int> count(bodies.size(), 0);
+  for (const Watch& watch : watches) {
+    const Body& body = bodies[watch.body];
+    const Vec3 arm = body.rotation * *watch.point;
+    const Vec3 p = body.centre_mm + arm;
+    Vec3 normal = Vec3::UnitZ();
+    double depth = -p.z();
+    if (watch.other != kBelt) {
+      const Body& other = bodies[watch.other];
+      const Vec3 local = other.to_part(p);
+      depth = -other.field->distance(local);
+      if (depth > 0.0) normal = other.rotation * other.field->outward(local);
+    }
+    if (depth <= 0.0) continue;
+    contacts.push_back({watch, arm, normal, depth});
+    ++count[watch.body];
+    if (watch.other != kBelt) ++count[watch.other];
+  }
+  for (Body& body : bodies) {
+    body.force = body.part->volume_mm3 * Vec3(0.0, 0.0, -kGravity);
+    body.torque.setZero();
+  }
+  for (const Contact& contact : contacts) {
+    Body& body = bodies[contact.watch.body];
+    Body* other = contact.watch.other == kBelt ? nullptr : &bodies[contact.watch.other];
+    const int sharing = std::max(count[contact.watch.body], other != nullptr ? count[contact.watch.other] : 0);
+    const double mass =
+        other != nullptr ? std::min(body.part->volume_mm3, other->part->volume_mm3) : body.part->volume_mm3;
+    const double scale = mass / std::max(1.0, sharing / 3.0);
+    Vec3 velocity = body.velocity + body.spin.cross(contact.arm);
+    const Vec3 other_arm = other != nullptr ? Vec3(body.centre_mm + contact.arm - other->centre_mm) : Vec3::Zero();
+    if (other != nullptr) velocity -= other->velocity + other->spin.cross(other_arm);
+    const double approach = velocity.dot(contact.normal);
+    const double press = std::max(0.0, scale * (kStiffness * contact.depth - kDamping * approach));
+    const Vec3 slip = velocity - approach * contact.normal;
+    const double speed = slip.norm();
+    Vec3 force = press * contact.normal;
+    if (speed > 1e-9) force -= std::min(kFriction * press, scale * kTangentialDamping * speed) / speed * slip;
+    body.force += force;
+    body.torque += contact.arm.cross(force);
+    if (other == nullptr) continue;
+    other->force -= force;
+    other->torque -= other_arm.cross(force);
+  }
+  for (Body& body : bodies) {
+    body.velocity += kStepS * (body.force / body.part->volume_mm3 - kLinearDrag * body.velocity);
+    const Mat3 inertia = body.rotation * body.inertia_per_mass * body.rotation.transpose();
+    const Vec3 gyration = body.spin.cross(inertia * body.spin);
+    body.spin +=
+        kStepS * (inertia.inverse() * (body.torque / body.part->volume_mm3 - gyration) - kAngularDrag * body.spin);
+    body.centre_mm += kStepS * body.velocity;
+    const Vec3 turn = kStepS * body.spin;
+    if (turn.norm() > 1e-15) {
+      body.turn = Eigen::Quaterniond(Eigen::AngleAxisd(turn.norm(), turn.normalized())) * body.turn;
+      body.turn.normalize();
+    }
+    body.rotation = body.turn.toRotationMatrix();
+  }
+}
+
+// The smallest signed gap of a part to the other parts (both ways round) and, where asked, the belt.
+double Settler::State::gap_mm(const Scene& scene, std::size_t index, bool with_belt) const {
+  const std::vector<Body> all = bodies(scene);
+  const Body& body = all[index];
+  double gap = ContactField::kBandMm;
+  for (const Vec3& point : *body.points) {
+    const Vec3 p = body.centre_mm + body.rotation * point;
+    if (with_belt) gap = std::min(gap, p.z());
+    for (std::size_t b = 0; b < all.size(); ++b) {
+      if (b == index || (p - all[b].centre_mm).norm() > all[b].radius_mm + kNearMm) continue;
+      gap = std::min(gap, all[b].field->distance(all[b].to_part(p)));
+    }
+  }
+  for (std::size_t b = 0; b < all.size(); ++b) {
+    if (b == index) continue;
+    for (const Vec3& point : *all[b].points) {
+      const Vec3 p = all[b].centre_mm + all[b].rotation * point;
+      if ((p - body.centre_mm).norm() < body.radius_mm + kNearMm)
+        gap = std::min(gap, body.field->distance(body.to_part(p)));
+    }
+  }
+  return gap;
+}
+
+Settler::Settler(std::span<const ScenePart> parts) : state_(std::make_unique<State>()) {
+  state_->parts = parts;
+  for (const ScenePart& part : parts) {
+    state_->fields.emplace_back(part);
+    state_->points.push_back(surface_points(part, kContactSpacingMm));
+    for (Vec3& p : state_->points.back()) p -= part.centre_of_mass_mm;
+  }
+}
+Settler::~Settler() = default;
+Settler::Settler(Settler&&) noexcept = default;
+
+void Settler::lift_clear(Scene& scene, std::size_t index, double gap_mm) const {
+  Vec3& at = scene[index].T_belt_part.translation_mm;
+  double top = 0.0;
+  double lowest = std::numeric_limits<double>::max();
+  for (std::size_t i = 0; i < scene.size(); ++i) {
+    for (const Vec3f& v : state_->parts[scene[i].part].mesh.vertex_mm) {
+      const double z = (scene[i].T_belt_part * v.cast<double>()).z();
+      if (i == index) lowest = std::min(lowest, z);
+      if (i != index) top = std::max(top, z);
+    }
+  }
+  at.z() += top + ContactField::kBandMm - lowest;
+  while (true) {
+    at.z() -= 1.0;
+    if (state_->gap_mm(scene, index, true) < gap_mm) break;
+  }
+  at.z() += 1.0;
+}
+
+bool Settler::settle(Scene& scene) const {
+  std::vector<Body> bodies = state_->bodies(scene);
+  std::vector<Watch> watches;
+  std::vector<Contact> contacts;
+  double still_s = 0.0;
+  for (int n = 0; n * kStepS < kTimeLimitS && still_s < kStillForS; ++n) {
+    if (n % kRefreshSteps == 0) watches = State::watches(bodies);
+    State::step(bodies, watches, contacts);
+    double fastest = 0.0;
+    for (const Body& body : bodies)
+      fastest = std::max(fastest, body.velocity.norm() + body.spin.norm() * body.radius_mm);
+    still_s = fastest < kStillMmPerS ? still_s + kStepS : 0.0;
+  }
+  for (std::size_t i = 0; i < scene.size(); ++i) scene[i].T_belt_part = pose_of(bodies[i]);
+  if (still_s < kStillForS) return false;
+  for (std::size_t i = 0; i < scene.size(); ++i) {
+    for (int n = 0; n < 20 && penetration_mm(scene, i) > 0.5 * kMaxPenetrationMm; ++n) {
+      scene[i].T_belt_part.translation_mm.z() += 0.02;
+    }
+    if (penetration_mm(scene, i) > kMaxPenetrationMm) return false;
+  }
+  return true;
+}
+
+double Settler::penetration_mm(const Scene& scene, std::size_t index) const {
+  return std::max(0.0, -state_->gap_mm(scene, index, true));
+}
+
+bool Settler::touch(const Scene& scene, std::size_t index) const {
+  return state_->gap_mm(scene, index, false) < kTouchMm;
+}
+
+}  // namespace beltpick::virtual_cell
