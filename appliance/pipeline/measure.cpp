@@ -1,0 +1,68 @@
+#include "pipeline/measure.hpp"
+
+#include <utility>
+
+#include "base/clock.hpp"
+#include "contract/result_codes.hpp"
+
+namespace beltpick::pipeline {
+
+decode::DecoderLimits decoder_limits(const Limits& limits) {
+  return {.rows = limits.image_height,
+          .cols = limits.image_width,
+          .state_bytes = limits.decode_bytes,
+          .codes_columns = true,
+          .codes_rows = limits.code_rows};
+}
+
+Measure::Measure(Arena& arena, const decode::DecoderLimits& limits)
+    : decoder_(arena, limits), triangulator_(arena, limits.rows, limits.cols) {}
+
+Result<void> Measure::configure(const Sequence& sequence, const Calibration& calibration) {
+  plan_.reset();
+  const Lens& projector = calibration.projector;
+  if (sequence.projector.width != projector.width || sequence.projector.height != projector.height) {
+    return failure(ResultCode::kCalibrationMismatch,
+                   "the calibration is of a projector of %dx%d, the sequence is for %dx%d; calibrate with this "
+                   "projector",
+                   projector.width, projector.height, sequence.projector.width, sequence.projector.height);
+  }
+  auto plan = decode::make_fold_plan(sequence);
+  if (!plan) return std::unexpected(plan.error());
+  if (auto loaded = triangulator_.load(calibration); !loaded) return loaded;
+  rows_ = calibration.camera.height;
+  cols_ = calibration.camera.width;
+  plan_ = std::move(*plan);
+  return {};
+}
+
+Result<void> Measure::begin(int pixel_bytes, int full_scale) {
+  if (!plan_) return failure(ResultCode::kNoCalibration, "no sequence and calibration are configured to measure with");
+  timing_ = {};
+  return decoder_.begin(*plan_, rows_, cols_, pixel_bytes, full_scale);
+}
+
+template <class Pixel>
+Result<void> Measure::fold_any(int index, ImageView<const Pixel> image) {
+  const Stopwatch watch;
+  auto folded = decoder_.fold(index, image);
+  timing_.fold_ms += watch.elapsed_ms();
+  return folded;
+}
+
+Result<void> Measure::fold(int index, ImageView<const std::uint8_t> image) { return fold_any(index, image); }
+Result<void> Measure::fold(int index, ImageView<const std::uint16_t> image) { return fold_any(index, image); }
+
+Result<RangeImage> Measure::finish() {
+  Stopwatch watch;
+  auto code = decoder_.finish();
+  if (!code) return std::unexpected(code.error());
+  code_ = *code;
+  timing_.decode_ms = watch.elapsed_ms();
+  watch = Stopwatch();
+  auto range = triangulator_.measure(code_);
+  timing_.range_ms = watch.elapsed_ms();
+  return range;
+}
+
+}  // namespace beltpick::pipeline

@@ -1,0 +1,65 @@
+// Measure: from the frames of a capture to the range image: decode and range, in fixed memory.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "base/arena.hpp"
+#include "base/image.hpp"
+#include "base/result.hpp"
+#include "base/stages.hpp"
+#include "contract/calibration.hpp"
+#include "contract/capture.hpp"
+#include "contract/limits.hpp"
+#include "decode/decoder.hpp"
+#include "range/triangulator.hpp"
+
+namespace beltpick::pipeline {
+
+struct MeasureTiming {
+  double fold_ms = 0.0;    // all frames, while they arrive
+  double decode_ms = 0.0;  // after the last frame
+  double range_ms = 0.0;
+};
+
+// The decoder's room under the declared limits.
+decode::DecoderLimits decoder_limits(const Limits& limits);
+
+class Measure {
+ public:
+  Measure(Arena& arena, const decode::DecoderLimits& limits);
+  Measure(Arena& arena, const Limits& limits) : Measure(arena, decoder_limits(limits)) {}
+
+  // What will be captured, and with which calibration. Between captures only: allocates, and takes a tenth of a second.
+  // Errors: kSequenceUndecodable; kCalibrationMismatch where the projectors differ in size; kLimitExceeded.
+  Result<void> configure(const Sequence& sequence, const Calibration& calibration);
+
+  // From here on nothing is allocated. Starts a capture of images of the calibration's size with pixels of 1 or 2
+  // bytes. Errors: kNoCalibration before configure(); kLimitExceeded where the sequence does not fit the limits.
+  Result<void> begin(int pixel_bytes = 1, int full_scale = 255);
+
+  // Folds frame `index` of the sequence. Errors as Decoder::fold.
+  Result<void> fold(int index, ImageView<const std::uint8_t> image);
+  Result<void> fold(int index, ImageView<const std::uint16_t> image);
+
+  // The views stay good until the next begin(). Errors as Decoder::finish and Triangulator::measure.
+  Result<RangeImage> finish();
+
+  // Of the last finish().
+  [[nodiscard]] const CodeImage& code() const { return code_; }
+  [[nodiscard]] const MeasureTiming& timing() const { return timing_; }
+  [[nodiscard]] const range::RangeCounts& counts() const { return triangulator_.counts(); }
+
+ private:
+  template <class Pixel>
+  Result<void> fold_any(int index, ImageView<const Pixel> image);
+
+  decode::Decoder decoder_;
+  range::Triangulator triangulator_;
+  std::optional<decode::FoldPlan> plan_;
+  int rows_ = 0, cols_ = 0;
+  CodeImage code_;
+  MeasureTiming timing_;
+};
+
+}  // namespace beltpick::pipeline

@@ -1,0 +1,84 @@
+#include "range/axis_kernel.hpp"
+
+#include <cmath>
+
+#include "base/kernel.hpp"
+
+namespace beltpick::range {
+
+AxisModel axis_model(const Calibration& calibration, Axis axis) {
+  const bool column = axis == Axis::kColumn;
+  const int s = column ? 0 : 1;
+  const Lens& lens = calibration.projector;
+  const auto& pose = calibration.T_projector_camera;
+  AxisModel model;
+  for (int i = 0; i < 3; ++i) {
+    const auto at = static_cast<std::size_t>(i);
+    model.rotation_s[at] = static_cast<float>(pose.rotation(s, i));
+    model.rotation_o[at] = static_cast<float>(pose.rotation(1 - s, i));
+    model.rotation_z[at] = static_cast<float>(pose.rotation(2, i));
+  }
+  model.translation_s = static_cast<float>(pose.translation_mm[s]);
+  model.translation_o = static_cast<float>(pose.translation_mm[1 - s]);
+  model.translation_z = static_cast<float>(pose.translation_mm[2]);
+  model.focal_s = static_cast<float>(column ? lens.fx_px : lens.fy_px);
+  model.centre_s = static_cast<float>(column ? lens.cx_px : lens.cy_px);
+  model.focal_o = static_cast<float>(column ? lens.fy_px : lens.fx_px);
+  model.centre_o = static_cast<float>(column ? lens.cy_px : lens.cx_px);
+  model.k1 = static_cast<float>(lens.distortion[0]);
+  model.k2 = static_cast<float>(lens.distortion[1]);
+  model.k3 = static_cast<float>(lens.distortion[4]);
+  model.tangential_so = static_cast<float>(lens.distortion[column ? 2 : 3]);
+  model.tangential_ss = static_cast<float>(lens.distortion[column ? 3 : 2]);
+  return model;
+}
+
+BELTPICK_KERNEL
+void depth_row(const AxisModel& model, const float* ray_u, const float* ray_v, const float* code_px, int count,
+               const AxisDepthRow& out) {
+  const AxisModel m = model;
+  constexpr int kSteps = 4;  // from the undistorted guess; each squares the error
+  constexpr float kConvergedPx = 0.005F;
+  float* depth_mm = out.depth_mm;
+  float* mm_per_px = out.mm_per_px;
+  float* other_px = out.other_px;
+  for (int i = 0; i < count; ++i) {
+    const float u = ray_u[i];
+    const float v = ray_v[i];
+    const float q_s = m.rotation_s[0] * u + m.rotation_s[1] * v + m.rotation_s[2];
+    const float q_o = m.rotation_o[0] * u + m.rotation_o[1] * v + m.rotation_o[2];
+    const float q_z = m.rotation_z[0] * u + m.rotation_z[1] * v + m.rotation_z[2];
+    const float across = m.translation_z * q_s - m.translation_s * q_z;
+    const float slope = (m.translation_z * q_o - m.translation_o * q_z) / across;
+    const float offset = (m.translation_o * q_s - m.translation_s * q_o) / across;
+    const float seen = (code_px[i] - m.centre_s) / m.focal_s;
+    float s = seen;
+    float gradient = 1.0F;
+    float miss = 0.0F;
+    float o = 0.0F;
+    float radial = 1.0F;
+    float r2 = 0.0F;
+    for (int step = 0; step < kSteps; ++step) {
+      o = offset + slope * s;
+      r2 = s * s + o * o;
+      radial = 1.0F + r2 * (m.k1 + r2 * (m.k2 + r2 * m.k3));
+      const float bend = m.k1 + r2 * (2.0F * m.k2 + r2 * 3.0F * m.k3);
+      const float along_s = radial + 2.0F * s * s * bend + 2.0F * m.tangential_so * o + 6.0F * m.tangential_ss * s;
+      const float along_o = 2.0F * (s * o * bend + m.tangential_so * s + m.tangential_ss * o);
+      miss = s * radial + 2.0F * m.tangential_so * s * o + m.tangential_ss * (r2 + 2.0F * s * s) - seen;
+      gradient = along_s + slope * along_o;
+      s -= miss / gradient;
+    }
+    o = offset + slope * s;
+    const float denominator = s * q_z - q_s;
+    const float z = (m.translation_s - s * m.translation_z) / denominator;
+    const float z_projector = z * q_z + m.translation_z;
+    const bool good = (std::fabs(miss) * m.focal_s < kConvergedPx) & (z > 0.0F) & (z_projector > 0.0F) & (z < 1e6F);
+    depth_mm[i] = good ? z : 0.0F;
+    mm_per_px[i] = std::fabs(across / (denominator * denominator * gradient * m.focal_s));
+    other_px[i] =
+        (o * radial + 2.0F * m.tangential_ss * s * o + m.tangential_so * (r2 + 2.0F * o * o)) * m.focal_o + m.centre_o;
+  }
+}
+
+}  // namespace beltpick::range

@@ -1,0 +1,35 @@
+// Depth from one projector axis, a row of camera pixels at a time. Internal to range.
+#pragma once
+
+#include <array>
+
+#include "contract/calibration.hpp"
+#include "contract/capture.hpp"
+
+namespace beltpick::range {
+
+// The projector seen along one of its axes: s is the coded coordinate, o the other one.
+struct AxisModel {
+  std::array<float, 3> rotation_s{}, rotation_o{}, rotation_z{};  // rows of the rotation camera -> projector
+  float translation_s = 0.0F, translation_o = 0.0F, translation_z = 0.0F;
+  float focal_s = 1.0F, centre_s = 0.0F, focal_o = 1.0F, centre_o = 0.0F;
+  float k1 = 0.0F, k2 = 0.0F, k3 = 0.0F;
+  float tangential_so = 0.0F;  // of 2 s o in s: p1 for columns, p2 for rows
+  float tangential_ss = 0.0F;  // of r^2 + 2 s^2 in s
+};
+
+AxisModel axis_model(const Calibration& calibration, Axis axis);
+
+struct AxisDepthRow {
+  float* depth_mm;   // camera z; 0 where there is none
+  float* mm_per_px;  // |d z / d code|
+  float* other_px;   // the projector coordinate along the other axis that follows
+};
+
+// For rays (u, v, 1) in the camera frame and codes of the axis. A camera ray is a straight line in the projector's
+// ideal coordinates: o = offset + slope s. Newton's method finds the s on it whose distorted image is the code; then
+// z = (t_s - s t_z) / (s q_z - q_s), q the rotated ray. Holds at any working distance. NaN codes give depth 0.
+void depth_row(const AxisModel& model, const float* ray_u, const float* ray_v, const float* code_px, int count,
+               const AxisDepthRow& out);
+
+}  // namespace beltpick::range
