@@ -11,6 +11,7 @@
 #include "contract_io/file_io.hpp"
 #include "options.hpp"
 #include "progress.hpp"
+#include "simulate_live.hpp"
 #include "virtual_cell/render/capture_folder.hpp"
 #include "virtual_cell/render/rig_calibration.hpp"
 #include "virtual_cell/render/scene.hpp"
@@ -22,6 +23,7 @@ namespace vc = virtual_cell;
 
 const std::vector<std::string> kSequences{"fast", "standard", "robust"};
 const std::vector<std::string> kAxes{"column", "row", "both"};
+constexpr int kMaxPartsInView = 12;
 const std::vector<std::string> kLays{"flat", "edge", "any", "leaning", "cut"};
 
 struct SimulateOptions {
@@ -34,6 +36,7 @@ struct SimulateOptions {
   bool noise_free = false;
   vc::RigOptions rig;
   vc::RenderOptions render;
+  LiveOptions live;
 };
 
 Result<vc::Rig> make_rig(const SimulateOptions& options, const CLI::App& app) {
@@ -153,9 +156,27 @@ Result<Rendered> render(const SimulateOptions& options, const vc::Rig& rig, cons
   return rendered;
 }
 
+// A belt of --parts parts, in real time.
+Result<void> run_live(const SimulateOptions& options, const CLI::App& app, std::vector<vc::ScenePart> parts,
+                      Session& session) {
+  const auto rig = make_rig(options, app);
+  if (!rig) return std::unexpected(rig.error());
+  auto sequence = find_sequence(options, *rig, session);
+  if (!sequence) return std::unexpected(sequence.error());
+  LiveCell cell{*rig, std::move(parts), std::move(*sequence), options.render, 24, options.seed};
+  if (app.count("--parts") > 0) cell.count = options.parts_in_view;
+  return run_live(options.live, std::move(cell), session);
+}
+
 Result<void> run(SimulateOptions options, const CLI::App& app, Session& session) {
-  const auto parts = load_parts(options);
+  auto parts = load_parts(options);
   if (!parts) return std::unexpected(parts.error());
+  options.render.noise = !options.noise_free;
+  if (options.live.live) return run_live(options, app, std::move(*parts), session);
+  if (options.parts_in_view > kMaxPartsInView) {
+    return failure(ResultCode::kUsage, "--parts: expected at most %d in one view, found %d; more need --live",
+                   kMaxPartsInView, options.parts_in_view);
+  }
   contract_io::Json answer = contract_io::Json::object();
   std::string text;
   if (!options.write_parts.empty()) {
@@ -166,7 +187,6 @@ Result<void> run(SimulateOptions options, const CLI::App& app, Session& session)
     }
   }
   if (!options.out.empty()) {
-    options.render.noise = !options.noise_free;
     if (options.scene == "plane") options.render.background = vc::Background::kPlane;
     const auto rig = make_rig(options, app);
     if (!rig) return std::unexpected(rig.error());
@@ -178,7 +198,7 @@ Result<void> run(SimulateOptions options, const CLI::App& app, Session& session)
     text += rendered->text;
   }
   if (options.out.empty() && options.write_parts.empty())
-    return failure(ResultCode::kUsage, "expected --out DIR or --write-parts DIR, found neither; see --help");
+    return failure(ResultCode::kUsage, "expected --out DIR, --write-parts DIR or --live, found none; see --help");
   session.answer(answer, text);
   return {};
 }
@@ -216,7 +236,9 @@ Run add_simulate(CLI::App& app) {
   app.add_option("--scene", options->scene, "paper:1..12, belt, plane or bare (default belt)");
   app.add_option("--part", options->parts, "knuckle, elbow, bracket or a mesh file; repeat to mix (default knuckle)");
   app.add_option("--mm-per-unit", options->mm_per_unit, "of mesh files (default 1)")->check(CLI::Range(1e-6, 1e6));
-  app.add_option("--parts", options->parts_in_view, "parts in view of a belt (default 3)")->check(CLI::Range(1, 12));
+  app.add_option("--parts", options->parts_in_view,
+                 "parts in view of a belt (default 3); live: on the belt (default 24)")
+      ->check(CLI::Range(1, 100'000));
   app.add_option("--lay", options->lays, "how each of them lies: flat, edge, any, leaning, cut")
       ->delimiter(',')
       ->check(CLI::IsMember(kLays));
@@ -227,8 +249,10 @@ Run add_simulate(CLI::App& app) {
   app.add_option("--write-parts", options->write_parts, "write meshes and grasps of the parts")->type_name("DIR");
   add_rig_options(app, *options);
   add_light_options(app, *options);
+  add_live_options(app, options->live);
   example(app,
           "  beltpick simulate --out scene --scene paper:5 --seed 7 --sequence standard\n"
+          "  beltpick simulate --live --parts 24 --seed 7 --report report.json\n"
           "  beltpick simulate --write-parts parts --part knuckle --part elbow");
   return [options, &app](Session& session) { return run(*options, app, session); };
 }
