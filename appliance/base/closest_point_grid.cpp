@@ -88,7 +88,8 @@ GridShape plan_closest_point_grid(const Vec3& box_min_mm, const Vec3& box_max_mm
   GridShape shape;
   double cell = std::max(finest_mm, std::cbrt(extent.prod() / max_cells));
   for (;; cell *= 1.02) {
-    for (int axis = 0; axis < 3; ++axis) shape.cells[axis] = std::max(1, static_cast<int>(std::ceil(extent[axis] / cell)));
+    for (int axis = 0; axis < 3; ++axis)
+      shape.cells[axis] = std::max(1, static_cast<int>(std::ceil(extent[axis] / cell)));
     if (shape.count() <= static_cast<std::size_t>(max_cells)) break;
   }
   shape.cell_mm = static_cast<float>(cell);

@@ -23,8 +23,8 @@ struct GridShape {
   }
 };
 
-// The finest grid of cubic cells that covers the box and `margin_mm` round it with at most `max_cells`; never finer than
-// `finest_mm`.
+// The finest grid of cubic cells that covers the box and `margin_mm` round it with at most `max_cells`; never finer
+// than `finest_mm`.
 GridShape plan_closest_point_grid(const Vec3& box_min_mm, const Vec3& box_max_mm, double margin_mm, double finest_mm,
                                   int max_cells);
 
@@ -45,7 +45,8 @@ class ClosestPointGrid {
       const float inside = std::clamp(cell[axis], 0.0F, static_cast<float>(shape_.cells[axis] - 1));
       return static_cast<int>(inside);
     };
-    return nearest_[(clamped(2) * static_cast<std::int64_t>(shape_.cells[1]) + clamped(1)) * shape_.cells[0] + clamped(0)];
+    return nearest_[(clamped(2) * static_cast<std::int64_t>(shape_.cells[1]) + clamped(1)) * shape_.cells[0] +
+                    clamped(0)];
   }
 
   [[nodiscard]] const GridShape& shape() const { return shape_; }

@@ -15,9 +15,9 @@ namespace beltpick {
 
 // The part as it is seen from one direction.
 struct PartView {
-  Vec3f direction = -Vec3f::UnitZ();   // of the line of sight, part frame, away from the camera
-  Vec3f centroid_mm = Vec3f::Zero();   // of the surface seen, part frame
-  float seen_area = 0.0F;              // across the line of sight, mm^2
+  Vec3f direction = -Vec3f::UnitZ();  // of the line of sight, part frame, away from the camera
+  Vec3f centroid_mm = Vec3f::Zero();  // of the surface seen, part frame
+  float seen_area = 0.0F;             // across the line of sight, mm^2
 };
 
 // A grasp without its name.
@@ -33,16 +33,16 @@ struct PartModel {
   static constexpr int kMaxGrasps = 32;
   static constexpr int kViews = 162;  // a twice divided icosahedron: 15 to 18 degrees from view to view
 
-  std::span<const OrientedPoint> surface;      // part frame, outward normals
-  std::span<const std::uint16_t> scattered;    // some of their indices, spread at random over the surface
+  std::span<const OrientedPoint> surface;    // part frame, outward normals
+  std::span<const std::uint16_t> scattered;  // some of their indices, spread at random over the surface
   float spacing_mm = 1.0F;
-  Vec3 centre_mm = Vec3::Zero();               // of the bounding box
+  Vec3 centre_mm = Vec3::Zero();  // of the bounding box
   Vec3 box_min_mm = Vec3::Zero();
   Vec3 box_max_mm = Vec3::Zero();
-  double diagonal_mm = 1.0;                    // of the bounding box
+  double diagonal_mm = 1.0;  // of the bounding box
 
   ClosestPointGrid grid;
-  const ClosestPointTree* tree = nullptr;      // asked instead of the grid where set
+  const ClosestPointTree* tree = nullptr;  // asked instead of the grid where set
 
   std::array<PartView, kViews> views{};
   std::array<Primitive, kMaxPrimitives> primitives{};
@@ -52,7 +52,7 @@ struct PartModel {
   std::array<Pose<frame::Part, frame::Part>, kMaxSymmetries> symmetries{};
   int symmetry_count = 0;
   bool revolution = false;
-  bool sphere = false;                         // any turn about axis_point_mm
+  bool sphere = false;  // any turn about axis_point_mm
   Vec3 axis_point_mm = Vec3::Zero();
   Vec3 axis_direction = Vec3::UnitZ();
 

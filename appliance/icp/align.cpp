@@ -61,14 +61,16 @@ Mat6 covariance(const NormalEquations& system, const PartModel& model, const Par
 }  // namespace
 
 Alignment align(std::span<const OrientedPoint> sample, const PartModel& model, const PartPose& initial,
-                std::span<const Stage> stages, const Noise& noise) {
+                std::span<const Stage> stages, const Noise& noise, std::span<const OutlinePair> outline) {
   Alignment result;
   result.T_camera_part = initial;
   const Vec6 scale = length_scale(model);
+  const double ratio = noise.sigma_mm / noise.outline_sigma_mm;
+  const double outline_weight = ratio * ratio;
   NormalEquations system;
   for (const Stage& stage : stages) {
     for (int i = 0; i < stage.iterations; ++i) {
-      system = linearise(sample, model, result.T_camera_part, stage);
+      system = linearise(sample, model, result.T_camera_part, stage, outline, outline_weight);
       ++result.iterations;
       if (system.inliers < kLeastInliers) return result;
       const Vec6 step = solve(system, scale);
@@ -77,7 +79,7 @@ Alignment align(std::span<const OrientedPoint> sample, const PartModel& model, c
       if (moved_mm < 1e-4 * stage.radius_mm) break;
     }
   }
-  system = linearise(sample, model, result.T_camera_part, stages.back());
+  system = linearise(sample, model, result.T_camera_part, stages.back(), outline, outline_weight);
   if (system.inliers < kLeastInliers) return result;
   result.rms_mm = std::sqrt(system.weighted_square / system.weight);
   result.inlier_share = static_cast<double>(system.inliers) / static_cast<double>(sample.size());

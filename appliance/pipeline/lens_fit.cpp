@@ -81,7 +81,8 @@ Result<Lens> fit_lens(const RangeImage& range) {
   int points = 0;
   visit_points(range, [&](int, int, double, double) { ++points; });
   if (points < kLeastPoints) {
-    return failure(ResultCode::kTooFewPoints, "cloud: %d points, expected at least %d; check the capture", points, kLeastPoints);
+    return failure(ResultCode::kTooFewPoints, "cloud: %d points, expected at least %d; check the capture", points,
+                   kLeastPoints);
   }
   Lens lens = fit_columns(range);
   fit_rows(range, lens);
@@ -93,9 +94,11 @@ Result<Lens> fit_lens(const RangeImage& range) {
   const double rms_px = std::sqrt(square_px2 / points);
   const bool plausible = std::isfinite(rms_px) && lens.fx_px > 0.0 && lens.fy_px > 0.0 && rms_px < kLargestError_px;
   if (!plausible) {
-    return failure(ResultCode::kFormatInvalid,
-                   "cloud: its points do not fall on their pixels through any lens (%.1f px RMS); expected an organised "
-                   "cloud with the origin at the optical centre", rms_px);
+    return failure(
+        ResultCode::kFormatInvalid,
+        "cloud: its points do not fall on their pixels through any lens (%.1f px RMS); expected an organised "
+        "cloud with the origin at the optical centre",
+        rms_px);
   }
   return lens;
 }

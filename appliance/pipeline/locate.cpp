@@ -82,7 +82,7 @@ void Locator::search(const result::Scene& scene, std::span<const PartModel> mode
     const Stopwatch watch;
     const Object& object = objects[index];
     attempts_[index] = finders_[static_cast<std::size_t>(worker)].find(scene, book_.owner(), object, models,
-                                                                      seed * 65536U + object.labels[0]);
+                                                                       seed * 65536U + object.labels[0]);
     object_ms_[tried_count_ + index] = watch.elapsed_ms();
     tried_[tried_count_ + index] = object.labels[0];
   };
@@ -104,8 +104,9 @@ void Locator::settle(const result::Scene& scene, std::span<const PartModel> mode
     attempt.reason = failure(ResultCode::kDuplicatePose, "the pose overlaps one that is better supported").error();
     if (taken(scene, models, attempt.best)) continue;
     if (accepted_count_ == accepted_.size()) {
-      attempt.reason = failure(ResultCode::kLimitExceeded, "expected at most %zu parts; raise limits.parts",
-                               accepted_.size()).error();
+      attempt.reason =
+          failure(ResultCode::kLimitExceeded, "expected at most %zu parts; raise limits.parts", accepted_.size())
+              .error();
       continue;
     }
     accepted_[accepted_count_++] = {attempt.best, objects[strongest].labels[0]};
@@ -177,7 +178,8 @@ LocatedPart Locator::describe(const result::Scene& scene, std::span<const PartMo
 bool Locator::touches_neighbour(const result::Scene& scene, const PartModel& model,
                                 const result::PartPose& T_camera_part) const {
   const auto T_part_camera = T_camera_part.inverse();
-  const float own_mm = static_cast<float>(3.0 * result::surface_tolerance_mm(scene, model.spacing_mm)) + model.spacing_mm;
+  const float own_mm =
+      static_cast<float>(3.0 * result::surface_tolerance_mm(scene, model.spacing_mm)) + model.spacing_mm;
   constexpr int kStep = 3;
   int touching = 0;
   for (int row = 0; row < scene.labels.rows; row += kStep) {

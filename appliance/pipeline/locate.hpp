@@ -29,11 +29,11 @@ struct LocateInput {
 
 // Views of the locator's memory, valid until its next locate().
 struct LocateOutput {
-  std::span<const LocatedPart> parts;        // in pick order: those that can be gripped first, top-most first
+  std::span<const LocatedPart> parts;  // in pick order: those that can be gripped first, top-most first
   std::span<const WithheldObject> withheld;
-  std::span<const Candidate> candidates;     // of each of `parts`: how it was found
-  std::span<const double> object_ms;         // time spent on each entry of `tried`
-  std::span<const std::uint16_t> tried;      // the segment each search began with
+  std::span<const Candidate> candidates;  // of each of `parts`: how it was found
+  std::span<const double> object_ms;      // time spent on each entry of `tried`
+  std::span<const std::uint16_t> tried;   // the segment each search began with
 };
 
 class Locator {
@@ -67,7 +67,7 @@ class Locator {
   result::Drawing drawing_;
   std::vector<PoseFinder> finders_;  // one a worker
   std::unique_ptr<WorkerTeam> team_;
-  std::span<Attempt> attempts_;      // by task of the round
+  std::span<Attempt> attempts_;  // by task of the round
   std::span<Accepted> accepted_;
   std::size_t accepted_count_ = 0;
   std::span<LocatedPart> parts_, ranked_;

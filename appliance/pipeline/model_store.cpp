@@ -17,7 +17,8 @@ constexpr double kMarginShare = 0.07;
 
 void scatter(std::size_t points, std::span<std::uint16_t> scattered) {
   Random random(1);
-  for (std::uint16_t& index : scattered) index = static_cast<std::uint16_t>(random.below(static_cast<std::uint32_t>(points)));
+  for (std::uint16_t& index : scattered)
+    index = static_cast<std::uint16_t>(random.below(static_cast<std::uint32_t>(points)));
 }
 
 void copy_symmetry(const Symmetry& symmetry, PartModel& model) {
@@ -36,9 +37,10 @@ ModelStore::ModelStore(Arena& arena, const Limits& limits) : limits_(limits) {
   models_ = arena.take<PartModel>("templates: models", slots);
   slots_ = arena.take<Slot>("templates: models", slots);
   for (std::size_t i = 0; i < slots; ++i) {
-    const Slot slot{arena.take<OrientedPoint>("templates: surface points", static_cast<std::size_t>(limits.template_points)),
-                    arena.take<std::uint16_t>("templates: surface points", kScattered),
-                    arena.take<std::uint16_t>("templates: closest-point grids", static_cast<std::size_t>(limits.grid_cells))};
+    const Slot slot{
+        arena.take<OrientedPoint>("templates: surface points", static_cast<std::size_t>(limits.template_points)),
+        arena.take<std::uint16_t>("templates: surface points", kScattered),
+        arena.take<std::uint16_t>("templates: closest-point grids", static_cast<std::size_t>(limits.grid_cells))};
     if (!arena.measuring()) slots_[i] = slot;
   }
 }
@@ -47,8 +49,9 @@ Result<void> ModelStore::check(const PartTemplate& part) const {
   const std::size_t most_points =
       static_cast<std::size_t>(std::min(limits_.template_points, ClosestPointGrid::kMaxPoints));
   const auto too_many = [&](const char* what, std::size_t found, std::size_t expected) {
-    return failure(ResultCode::kTemplateTooLarge, "template '%s': expected at most %zu %s, found %zu; teach it with fewer",
-                   part.name.c_str(), expected, what, found);
+    return failure(ResultCode::kTemplateTooLarge,
+                   "template '%s': expected at most %zu %s, found %zu; teach it with fewer", part.name.c_str(),
+                   expected, what, found);
   };
   if (part.point_mm.empty()) {
     return failure(ResultCode::kNoTemplate, "template '%s' has no points; teach it again", part.name.c_str());
@@ -62,7 +65,8 @@ Result<void> ModelStore::check(const PartTemplate& part) const {
 }
 
 Result<void> ModelStore::load(std::span<const PartTemplate> templates, const GripperShape& gripper) {
-  if (templates.empty()) return failure(ResultCode::kNoTemplate, "no template given, expected at least one; teach a part");
+  if (templates.empty())
+    return failure(ResultCode::kNoTemplate, "no template given, expected at least one; teach a part");
   if (templates.size() > slots_.size()) {
     return failure(ResultCode::kLimitExceeded, "expected at most %zu templates, found %zu; raise limits.templates",
                    slots_.size(), templates.size());

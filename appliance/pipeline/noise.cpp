@@ -44,8 +44,8 @@ double measurement_noise_mm(const RangeImage& range, ImageView<const std::uint16
       if (!range.sigma_mm.empty()) {
         histogram.add(range.sigma_mm(row, col));
       } else if (range.valid(row, col - 1) && range.valid(row, col + 1)) {
-        const float bend = range.point_mm(row, col - 1).z() - 2.0F * range.point_mm(row, col).z() +
-                           range.point_mm(row, col + 1).z();
+        const float bend =
+            range.point_mm(row, col - 1).z() - 2.0F * range.point_mm(row, col).z() + range.point_mm(row, col + 1).z();
         histogram.add(std::abs(bend) * kPerSecondDifference);
       }
     }

@@ -78,8 +78,11 @@ std::span<const Object> ObjectBook::next_round(const result::Scene& scene, doubl
     if (e.area_mm2 < least_area_mm2_) {
       if (round_ == 0) {
         e.failed = true;
-        e.reason = failure(ResultCode::kObjectTooSmall, "%.0f mm2 in view, expected at least %.0f; dirt, or a part "
-                           "mostly hidden", e.area_mm2, least_area_mm2_).error();
+        e.reason = failure(ResultCode::kObjectTooSmall,
+                           "%.0f mm2 in view, expected at least %.0f; dirt, or a part "
+                           "mostly hidden",
+                           e.area_mm2, least_area_mm2_)
+                       .error();
       }
       e.pixels_when_tried = e.segment.pixels;
       continue;

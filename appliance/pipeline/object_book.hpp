@@ -38,12 +38,12 @@ class ObjectBook {
 
  private:
   struct Entry {
-    Segment segment;           // what is left of it
+    Segment segment;  // what is left of it
     int pixels_at_start = 0;
     int pixels_when_tried = -1;
     double area_mm2 = 0.0;
     bool failed = false;
-    bool joined = false;       // was searched with its neighbours
+    bool joined = false;  // was searched with its neighbours
     Stage stage = Stage::kSegment;
     Error reason;
   };

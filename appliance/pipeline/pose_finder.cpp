@@ -6,6 +6,7 @@
 #include "base/units.hpp"
 #include "contract/pose_difference.hpp"
 #include "contract/result_codes.hpp"
+#include "pipeline/outline_pairs.hpp"
 #include "result/rivalry.hpp"
 #include "result/verdict.hpp"
 #include "search/from_primitive.hpp"
@@ -14,13 +15,14 @@
 namespace beltpick::pipeline {
 namespace {
 
-constexpr std::size_t kSearchSample = 100;   // the paper's
+constexpr std::size_t kSearchSample = 100;  // the paper's
 constexpr std::size_t kCoarseSample = 200;
-constexpr std::size_t kAlignSample = 1000;   // the paper's
+constexpr std::size_t kAlignSample = 1000;  // the paper's
 constexpr std::size_t kFinalSample = 2500;
+constexpr std::size_t kOutlinePairs = 4096;
 constexpr std::size_t kPoolSize = 400;
-constexpr std::size_t kShortlist = 40;       // hypotheses that are aligned coarsely
-constexpr int kFullAlignments = 6;           // of those, aligned with the whole sample and drawn
+constexpr std::size_t kShortlist = 40;  // hypotheses that are aligned coarsely
+constexpr int kFullAlignments = 6;      // of those, aligned with the whole sample and drawn
 constexpr std::size_t kLeastSample = 60;
 
 // Distances of search and alignment grow with the part.
@@ -33,8 +35,7 @@ constexpr double kSameTurn_rad = 0.05;
 
 bool same_place(const Candidate& a, const Candidate& b, const PartModel& model) {
   if (a.model_index != b.model_index) return false;
-  const PoseDifference d =
-      difference_modulo_symmetry(a.alignment.T_camera_part, b.alignment.T_camera_part, model);
+  const PoseDifference d = difference_modulo_symmetry(a.alignment.T_camera_part, b.alignment.T_camera_part, model);
   return d.translation_mm < kSamePlaceShare * model.diagonal_mm && d.rotation_rad < kSameTurn_rad;
 }
 
@@ -51,6 +52,7 @@ result::Region region_of(const Object& object, int margin) {
 PoseFinder::PoseFinder(Arena& arena, const Limits& limits)
     : sample_(arena.take<OrientedPoint>("search: object sample", static_cast<std::size_t>(limits.object_points))),
       pose_sample_(arena.take<OrientedPoint>("search: object sample", static_cast<std::size_t>(limits.object_points))),
+      outline_(arena.take<icp::OutlinePair>("icp: outline", kOutlinePairs)),
       pool_storage_(arena.take<Hypothesis>("search: hypotheses",
                                            std::min(kPoolSize, static_cast<std::size_t>(limits.hypotheses)))),
       finder_(arena, limits.object_points),
@@ -63,8 +65,11 @@ Attempt PoseFinder::find(const result::Scene& scene, ImageView<const std::uint16
   if (sample_count_ < kLeastSample) {
     Attempt attempt;
     attempt.stage = Stage::kSegment;
-    attempt.reason = failure(ResultCode::kObjectTooSmall, "%zu points with a normal, expected at least %zu; dirt, or a "
-                             "part mostly hidden", sample_count_, kLeastSample).error();
+    attempt.reason = failure(ResultCode::kObjectTooSmall,
+                             "%zu points with a normal, expected at least %zu; dirt, or a "
+                             "part mostly hidden",
+                             sample_count_, kLeastSample)
+                         .error();
     return attempt;
   }
   Attempt attempt;
@@ -124,8 +129,8 @@ void PoseFinder::shortlist(const Context& context, int model_index, search::Hypo
   const PartModel& model = context.models[static_cast<std::size_t>(model_index)];
   std::array<Hypothesis, kShortlist> hypotheses;
   const std::size_t count = pool.take_distinct(model, 0.04 * model.diagonal_mm, rad_from_deg(12.0), hypotheses);
-  const std::array<icp::Stage, 2> stages{icp::Stage{coarse_radius_mm(model), 8, 0.3F},
-                                         icp::Stage{fine_radius_mm(model), 6, 0.5F}};
+  const std::array<icp::Stage, 2> stages{icp::Stage{coarse_radius_mm(model), 8, 0.3F, 0.3F},
+                                         icp::Stage{fine_radius_mm(model), 6, 0.5F, 0.3F}};
   const auto sample = this->sample().first(std::min(sample_count_, kCoarseSample));
   const double tolerance_mm = 3.0 * result::surface_tolerance_mm(context.scene, model.spacing_mm);
   std::array<Candidate, kShortlist> tried;
@@ -159,9 +164,10 @@ void PoseFinder::shortlist(const Context& context, int model_index, search::Hypo
 void PoseFinder::align_fully(const Context& context, Candidate& candidate) {
   const PartModel& model = context.models[static_cast<std::size_t>(candidate.model_index)];
   const double last_mm = 3.0 * result::surface_tolerance_mm(context.scene, model.spacing_mm);
-  const std::array<icp::Stage, 2> stages{icp::Stage{fine_radius_mm(model), 15, 0.5F}, icp::Stage{last_mm, 15, 0.7F}};
-  candidate.alignment = icp::align(sample(), model, candidate.alignment.T_camera_part, stages,
-                                   icp::Noise{context.scene.noise_mm});
+  const std::array<icp::Stage, 2> stages{icp::Stage{fine_radius_mm(model), 15, 0.5F, 0.2F},
+                                         icp::Stage{last_mm, 15, 0.7F, 0.1F}};
+  candidate.alignment =
+      icp::align(sample(), model, candidate.alignment.T_camera_part, stages, icp::Noise{context.scene.noise_mm});
 }
 
 void PoseFinder::weigh(const Context& context, Candidate& candidate) {
@@ -177,12 +183,15 @@ void PoseFinder::finish(const Context& context, Candidate& candidate) {
   const double tolerance_mm = result::surface_tolerance_mm(context.scene, model.spacing_mm);
   for (const double radius_mm : {3.0 * tolerance_mm, 1.5 * tolerance_mm}) {
     drawing_.draw(model, candidate.alignment.T_camera_part, context.scene.lens);
-    const std::size_t count = sample_at_pose(context.scene.range, context.scene.labels, drawing_, radius_mm,
-                                             kFinalSample, pose_sample_);
+    const std::size_t count =
+        sample_at_pose(context.scene.range, context.scene.labels, drawing_, radius_mm, kFinalSample, pose_sample_);
     if (count < kLeastSample) return;
+    const std::size_t pairs =
+        pair_outline(drawing_, candidate.alignment.T_camera_part, context.scene, 2.0 * radius_mm + 1.0,
+                     result::free_space_tolerance_mm(context.scene, model.spacing_mm), outline_);
     const std::array<icp::Stage, 1> stage{icp::Stage{radius_mm, 12, 0.85F}};
     candidate.alignment = icp::align(pose_sample_.first(count), model, candidate.alignment.T_camera_part, stage,
-                                     icp::Noise{context.scene.noise_mm});
+                                     icp::Noise{context.scene.noise_mm}, outline_.first(pairs));
   }
   weigh(context, candidate);
 }
@@ -191,7 +200,8 @@ Attempt PoseFinder::decide(const Context& context) {
   Attempt attempt;
   if (candidate_count_ == 0) {
     attempt.stage = Stage::kSearch;
-    attempt.reason = failure(ResultCode::kNoHypothesis, "no template fits; a foreign object, or a part not taught").error();
+    attempt.reason =
+        failure(ResultCode::kNoHypothesis, "no template fits; a foreign object, or a part not taught").error();
     return attempt;
   }
   const auto first = candidates_.begin();
@@ -206,8 +216,8 @@ Attempt PoseFinder::decide(const Context& context) {
   if (!verdict) {
     attempt.reason = verdict.error();
   } else if (!beats_rivals(context, champion)) {
-    attempt.reason = failure(ResultCode::kPoseAmbiguous,
-                             "another pose fits as well; wait for a better view of the part").error();
+    attempt.reason =
+        failure(ResultCode::kPoseAmbiguous, "another pose fits as well; wait for a better view of the part").error();
   } else {
     attempt.verified = true;
   }

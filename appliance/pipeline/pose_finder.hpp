@@ -21,11 +21,11 @@ namespace beltpick::pipeline {
 // A pose on trial.
 struct Candidate {
   int model_index = 0;
-  Hypothesis hypothesis;            // it came from
-  double impression = -2.0;         // before all is drawn
+  Hypothesis hypothesis;     // it came from
+  double impression = -2.0;  // before all is drawn
   Alignment alignment;
   result::Evidence evidence;
-  double strength = 0.0;            // what ranks it
+  double strength = 0.0;  // what ranks it
 };
 
 // What became of one object.
@@ -73,6 +73,7 @@ class PoseFinder {
   std::span<OrientedPoint> sample_;
   std::size_t sample_count_ = 0;
   std::span<OrientedPoint> pose_sample_;
+  std::span<icp::OutlinePair> outline_;
   std::span<Hypothesis> pool_storage_;
   std::array<Candidate, kMaxCandidates> candidates_{};
   int candidate_count_ = 0;

@@ -23,7 +23,8 @@ class WorkerTeam {
   // which task is left to chance: a job's result must depend on its task alone.
   template <class Job>
   void run(int tasks, Job& job) {
-    run_erased(tasks, [](void* of, int worker, int task) { (*static_cast<Job*>(of))(worker, task); }, &job);
+    run_erased(
+        tasks, [](void* of, int worker, int task) { (*static_cast<Job*>(of))(worker, task); }, &job);
   }
 
  private:

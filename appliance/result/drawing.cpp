@@ -13,10 +13,14 @@ constexpr float kLeastCosine = 0.2F;
 }  // namespace
 
 Drawing::Drawing(Arena& arena, const Limits& limits)
-    : front_(arena.take<Projected>("verify: points facing the camera", static_cast<std::size_t>(limits.template_points))),
+    : front_(
+          arena.take<Projected>("verify: points facing the camera", static_cast<std::size_t>(limits.template_points))),
       visible_(arena.take<VisiblePoint>("verify: points in sight", static_cast<std::size_t>(limits.template_points))),
       cells_(arena.take<float>("verify: depth buffer", static_cast<std::size_t>(limits.image_width) *
-                                                           static_cast<std::size_t>(limits.image_height) / 4)) {}
+                                                           static_cast<std::size_t>(limits.image_height) / 4)),
+      index_cells_(arena.take<std::uint16_t>(
+          "verify: depth buffer",
+          static_cast<std::size_t>(limits.image_width) * static_cast<std::size_t>(limits.image_height) / 4)) {}
 
 void Drawing::draw(const PartModel& model, const PartPose& T_camera_part, const Lens& lens) {
   project_front(model, T_camera_part, lens);
@@ -63,6 +67,7 @@ void Drawing::lay_out(const PartModel& model, const Lens& lens) {
     const int cols = (static_cast<int>(std::ceil(max_column)) + margin - column_px_) / factor_ + 1;
     const int rows = (static_cast<int>(std::ceil(max_row)) + margin - row_px_) / factor_ + 1;
     depth_ = {cells_.data(), rows, cols};
+    index_ = {index_cells_.data(), rows, cols};
     if (depth_.size() <= cells_.size()) break;
   }
   std::fill_n(cells_.begin(), depth_.size(), 0.0F);
@@ -71,7 +76,8 @@ void Drawing::lay_out(const PartModel& model, const Lens& lens) {
 void Drawing::splat(double spacing_mm, const Lens& lens) {
   const float focal_cells = static_cast<float>(std::max(lens.fx_px, lens.fy_px)) / static_cast<float>(factor_);
   const float cells_per_px = 1.0F / static_cast<float>(factor_);
-  for (const Projected& p : front_.first(front_count_)) {
+  for (std::size_t i = 0; i < front_count_; ++i) {
+    const Projected& p = front_[i];
     // A square a little wider than the spacing closes the gaps between points that are spread unevenly.
     const float half = 0.7F * static_cast<float>(spacing_mm) * focal_cells / p.point_mm.z();
     const float column = (p.column_px - static_cast<float>(column_px_)) * cells_per_px;
@@ -83,7 +89,9 @@ void Drawing::splat(double spacing_mm, const Lens& lens) {
     for (int r = first_row; r <= last_row; ++r) {
       for (int c = first_col; c <= last_col; ++c) {
         float& held = depth_(r, c);
-        if (held == 0.0F || p.point_mm.z() < held) held = p.point_mm.z();
+        if (held != 0.0F && p.point_mm.z() >= held) continue;
+        held = p.point_mm.z();
+        index_(r, c) = static_cast<std::uint16_t>(i);
       }
     }
   }

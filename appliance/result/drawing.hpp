@@ -25,7 +25,8 @@ class Drawing {
  public:
   Drawing(Arena& arena, const Limits& limits);
 
-  // Draws the part. A surface that leans away by more than about 78 degrees counts as out of sight: it is rarely measured.
+  // Draws the part. A surface that leans away by more than about 78 degrees counts as out of sight: it is rarely
+  // measured.
   void draw(const PartModel& model, const PartPose& T_camera_part, const Lens& lens);
 
   [[nodiscard]] std::span<const VisiblePoint> visible() const { return visible_.first(visible_count_); }
@@ -33,6 +34,17 @@ class Drawing {
   // The depth buffer: cells of factor() x factor() pixels, the first at (row_px(), column_px()) of the image; depth 0
   // where the part is not. It covers the part and a cell of margin, clipped to a quarter image beyond the border.
   [[nodiscard]] ImageView<const float> depth_mm() const { return depth_; }
+  // The surface point that a cell shows, camera frame, and where it appears. The cell must not be empty.
+  struct Shown {
+    Vec3f point_mm;
+    Vec3f normal;
+    float column_px, row_px;
+  };
+  [[nodiscard]] Shown shown(int row, int col) const {
+    const Projected& p = front_[index_(row, col)];
+    return {p.point_mm, p.normal, p.column_px, p.row_px};
+  }
+
   [[nodiscard]] int factor() const { return factor_; }
   [[nodiscard]] int row_px() const { return row_px_; }
   [[nodiscard]] int column_px() const { return column_px_; }
@@ -57,7 +69,9 @@ class Drawing {
   std::span<VisiblePoint> visible_;
   std::size_t visible_count_ = 0;
   std::span<float> cells_;
+  std::span<std::uint16_t> index_cells_;
   ImageView<float> depth_;
+  ImageView<std::uint16_t> index_;  // into front_
   int factor_ = 4, row_px_ = 0, column_px_ = 0;
 };
 

@@ -91,10 +91,17 @@ Evidence weigh(const Drawing& drawing, const PartModel& model, const PartPose& T
     inside += point.area;
     ++evidence.points;
     switch (lookup.look(point, square_mm2)) {
-      case Finding::kMatched: matched += point.area; break;
-      case Finding::kViolated: violated += point.area; break;
-      case Finding::kOccluded: occluded += point.area; break;
-      case Finding::kMissing: break;
+      case Finding::kMatched:
+        matched += point.area;
+        break;
+      case Finding::kViolated:
+        violated += point.area;
+        break;
+      case Finding::kOccluded:
+        occluded += point.area;
+        break;
+      case Finding::kMissing:
+        break;
     }
   }
   evidence.in_view = share(inside, total);

@@ -25,7 +25,6 @@ Evidence weigh(const Drawing& drawing, const PartModel& model, const PartPose& T
 // A first impression from the model's scattered points alone, without hidden surfaces removed: the share that was
 // measured where the pose says minus twice the share seen to be empty. What cannot be judged, being hidden or outside
 // the image, counts half in the whole. In [-2, 1].
-double first_impression(const PartModel& model, const PartPose& T_camera_part, const Scene& scene,
-                        double tolerance_mm);
+double first_impression(const PartModel& model, const PartPose& T_camera_part, const Scene& scene, double tolerance_mm);
 
 }  // namespace beltpick::result

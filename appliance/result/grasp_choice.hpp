@@ -17,7 +17,7 @@ enum class Reach : std::uint8_t { kReachable, kObstructed, kFromBelow };
 Reach reach(const GraspPose& grasp, const PartPose& T_camera_part, const Scene& scene, const GripperShape& gripper);
 
 struct GraspChoice {
-  int index = -1;      // into model.grasps; -1: none can be reached
+  int index = -1;               // into model.grasps; -1: none can be reached
   bool any_obstructed = false;  // one would come from above, were it not for what stands in its way
 };
 

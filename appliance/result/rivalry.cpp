@@ -39,8 +39,10 @@ Rivalry compare(const Rival& first, const Rival& second, const Scene& scene, con
   const OnSurface on_first(first, scene);
   const OnSurface on_second(second, scene);
   Rivalry rivalry;
-  for (int row = std::max(0, region.row_min); row <= std::min(scene.range.point_mm.rows - 1, region.row_max); row += step) {
-    for (int col = std::max(0, region.col_min); col <= std::min(scene.range.point_mm.cols - 1, region.col_max); col += step) {
+  for (int row = std::max(0, region.row_min); row <= std::min(scene.range.point_mm.rows - 1, region.row_max);
+       row += step) {
+    for (int col = std::max(0, region.col_min); col <= std::min(scene.range.point_mm.cols - 1, region.col_max);
+         col += step) {
       if (scene.labels(row, col) == 0 || !scene.range.valid(row, col)) continue;
       const Vec3f& measured = scene.range.point_mm(row, col);
       const bool one = on_first.holds(measured);

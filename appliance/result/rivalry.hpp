@@ -9,7 +9,7 @@ namespace beltpick::result {
 
 // Two poses, and what each of two parts explains of the measured points near both.
 struct Rivalry {
-  int both = 0;         // pixels that lie on either
+  int both = 0;  // pixels that lie on either
   int only_first = 0;
   int only_second = 0;
 

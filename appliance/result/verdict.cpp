@@ -8,8 +8,9 @@ namespace beltpick::result {
 
 Result<void> judge(const Evidence& evidence, double tolerance_mm, const Requirements& required) {
   if (evidence.points < required.points) {
-    return failure(ResultCode::kObjectTooSmall, "only %d surface points in sight, expected at least %d; bring it into view",
-                   evidence.points, required.points);
+    return failure(ResultCode::kObjectTooSmall,
+                   "only %d surface points in sight, expected at least %d; bring it into view", evidence.points,
+                   required.points);
   }
   if (evidence.violated > required.violated) {
     return failure(ResultCode::kFreeSpaceViolated,
@@ -24,9 +25,10 @@ Result<void> judge(const Evidence& evidence, double tolerance_mm, const Requirem
                    100.0 * evidence.coverage, 100.0 * required.coverage);
   }
   if (evidence.in_view < required.in_view) {
-    return failure(ResultCode::kPartlyOutOfView,
-                   "%.0f %% of the part is inside the image, expected at least %.0f %%; it is seen whole on its next lap",
-                   100.0 * evidence.in_view, 100.0 * required.in_view);
+    return failure(
+        ResultCode::kPartlyOutOfView,
+        "%.0f %% of the part is inside the image, expected at least %.0f %%; it is seen whole on its next lap",
+        100.0 * evidence.in_view, 100.0 * required.in_view);
   }
   if (evidence.support < required.support) {
     return failure(ResultCode::kCoverageTooLow,
@@ -34,9 +36,10 @@ Result<void> judge(const Evidence& evidence, double tolerance_mm, const Requirem
                    100.0 * evidence.support, 100.0 * required.support);
   }
   if (evidence.continued > required.continued) {
-    return failure(ResultCode::kResidualTooHigh,
-                   "along %.0f %% of the outline the object goes on, expected at most %.0f %%; a larger, foreign object",
-                   100.0 * evidence.continued, 100.0 * required.continued);
+    return failure(
+        ResultCode::kResidualTooHigh,
+        "along %.0f %% of the outline the object goes on, expected at most %.0f %%; a larger, foreign object",
+        100.0 * evidence.continued, 100.0 * required.continued);
   }
   if (evidence.rms_mm > 0.6 * tolerance_mm) {
     return failure(ResultCode::kResidualTooHigh, "%.3f mm RMS to the surface, expected at most %.3f; a damaged part?",

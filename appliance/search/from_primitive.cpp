@@ -88,9 +88,12 @@ int search_from_primitive(const SearchInput& input, const Primitive& taught, con
                           HypothesisPool& pool) {
   if (!may_match(taught, found)) return 0;
   switch (taught.kind) {
-    case PrimitiveKind::kCylinder: return search_cylinder(input, taught, found, pool);
-    case PrimitiveKind::kPlane: return search_plane(input, taught, found, pool);
-    case PrimitiveKind::kSphere: return search_sphere(input, taught, found, pool);
+    case PrimitiveKind::kCylinder:
+      return search_cylinder(input, taught, found, pool);
+    case PrimitiveKind::kPlane:
+      return search_plane(input, taught, found, pool);
+    case PrimitiveKind::kSphere:
+      return search_sphere(input, taught, found, pool);
   }
   return 0;
 }
