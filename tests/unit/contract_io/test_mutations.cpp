@@ -1,4 +1,5 @@
 // Fixed-seed mutations of good files: a parser may accept or refuse, in one line, but never crash.
+#include <zip.h>
 #include <catch2/catch.hpp>
 #include <functional>
 
@@ -9,6 +10,7 @@
 #include "contract_io/npy_header.hpp"
 #include "contract_io/toml_config.hpp"
 #include "samples.hpp"
+#include "support/temp_folder.hpp"
 
 using namespace beltpick;
 using namespace beltpick::contract_io;
@@ -17,6 +19,7 @@ using namespace beltpick::test;
 namespace {
 
 constexpr int kMutations = 4000;
+constexpr int kZipMutations = 400;  // each is a file
 
 // Flips bits, overwrites, cuts, doubles or inserts; often enough with bytes that mean something to a parser.
 std::string mutate(std::string bytes, Random& random) {
@@ -50,11 +53,12 @@ std::string mutate(std::string bytes, Random& random) {
 }
 
 // Returns how many mutations were refused.
-int torture(const std::string& good, const std::function<Result<void>(const std::string&)>& parse) {
+int torture(const std::string& good, const std::function<Result<void>(const std::string&)>& parse,
+            int mutations = kMutations) {
   Random random(20240717);
   int refused = 0;
   REQUIRE(parse(good));
-  for (int i = 0; i < kMutations; ++i) {
+  for (int i = 0; i < mutations; ++i) {
     const Result<void> done = parse(mutate(good, random));
     if (done) continue;
     ++refused;
@@ -114,4 +118,32 @@ TEST_CASE("No mutation of an array or a configuration crashes its reader", "[mut
           Warnings warnings;
           return config->finish(warnings);
         }) > kMutations / 4);
+}
+
+TEST_CASE("No mutation of a zipped capture crashes its reader", "[mutations]") {
+  const TempFolder folder;
+  const std::filesystem::path path = folder / "capture.zip";
+  int error = 0;
+  zip_t* zip = zip_open(path.c_str(), ZIP_CREATE, &error);
+  REQUIRE(zip != nullptr);
+  const std::string image = encode_png(ramp8(6, 8).view8());
+  const auto add = [&](const std::string& name, const std::string& bytes) {
+    zip_file_add(zip, name.c_str(), zip_source_buffer(zip, bytes.data(), bytes.size(), 0), 0);
+  };
+  const std::string header = kCaptureJson;
+  add("capture.json", header);
+  for (const char* name : {"000.png", "001.png", "002.png", "003.png"}) add(name, image);
+  REQUIRE(zip_close(zip) == 0);
+  CHECK(torture(
+            file_bytes(path),
+            [&](const std::string& bytes) {
+              Warnings warnings;
+              auto reader = CaptureReader::open(folder.file("mutated.zip", bytes), warnings);
+              if (!reader) return outcome(reader);
+              for (int i = 0; i < reader->frames(); ++i) {
+                if (const auto frame = reader->image(i, warnings); !frame) return outcome(frame);
+              }
+              return Result<void>{};
+            },
+            kZipMutations) > kZipMutations / 4);
 }

@@ -1,0 +1,85 @@
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "contract/capture.hpp"
+#include "contract_io/capture_io.hpp"
+#include "support/run_program.hpp"
+
+using namespace beltpick;
+using namespace beltpick::test;
+
+TEST_CASE("patterns writes the images that sequence.json describes", "[patterns]") {
+  const TempFolder folder;
+  const Outcome outcome =
+      beltpick_run("patterns --projector 200x150 --axes both --out '" + (folder / "my patterns").string() + "'");
+  INFO(outcome.err);
+  REQUIRE(outcome.exit_code == 0);
+  CHECK(outcome.err.empty());
+  const auto json = nlohmann::json::parse(file_bytes(folder / "my patterns/sequence.json"));
+  CHECK(json["projector"]["width"] == 200);
+  REQUIRE(json["frames"].size() > 10);
+  contract_io::Warnings warnings;
+  auto reader = contract_io::CaptureReader::open(folder / "my patterns", warnings);
+  REQUIRE(reader);
+  for (int i = 0; i < reader->frames(); ++i) {
+    const auto& frame = json["frames"][static_cast<std::size_t>(i)];
+    const auto image = reader->image(i, warnings);
+    REQUIRE(image);
+    REQUIRE(image->cols == 200);
+    const int row = 20;
+    const int column = 31;
+    const int x = frame["axis"] == "row" ? row : column;
+    // The design's formula, from the file's own members.
+    double expected = 0;
+    if (frame["kind"] == "phase") {
+      expected = 127.5 + 127.5 * std::cos(2 * M_PI * x / frame["period_px"].get<double>() +
+                                          2 * M_PI * frame["step"].get<int>() / frame["steps"].get<int>());
+    } else {
+      const int cell = static_cast<int>(std::floor((x + 0.5) / frame["cell_px"].get<double>()));
+      expected = (((cell ^ (cell >> 1)) >> frame["bit"].get<int>()) & 1) != 0 ? 255 : 0;
+    }
+    CHECK(std::abs(image->view8()(row, column) - expected) <= 0.5 + 1e-9);
+  }
+}
+
+TEST_CASE("Every named sequence and layout is written, with JSON and an explanation", "[patterns]") {
+  const TempFolder folder;
+  for (const char* name : {"fast", "standard", "robust"}) {
+    const Outcome outcome = beltpick_run("patterns --projector 64x48 --layout diamond --json --sequence " +
+                                         std::string(name) + " --out " + (folder / name).string());
+    REQUIRE(outcome.exit_code == 0);
+    const auto answer = nlohmann::json::parse(outcome.out);
+    const auto sequence = nlohmann::json::parse(file_bytes(folder / name / "sequence.json"));
+    CHECK(answer["frames"] == sequence["frames"].size());
+    CHECK(sequence["projector"]["layout"] == "diamond");
+  }
+  const Outcome outcome = beltpick_run("patterns --projector 64x48 --explain --out " + (folder / "e").string());
+  CHECK(outcome.out.find("000.png  phase  column") != std::string::npos);
+}
+
+TEST_CASE("patterns refuses what it cannot do, in one line", "[patterns]") {
+  const TempFolder folder;
+  const std::string out = " --out " + (folder / "out").string();
+  const auto refused = [](const std::string& arguments, const std::string& words) {
+    const Outcome outcome = beltpick_run("patterns " + arguments);
+    INFO(arguments << ": " << outcome.err);
+    CHECK(outcome.exit_code != 0);
+    CHECK(outcome.error_lines() == 1);
+    CHECK(outcome.out.empty());
+    CHECK(outcome.err.find(words) != std::string::npos);
+  };
+  refused("--projector 912" + out, "912x1140");
+  refused("--projector -912x1140" + out, "912x1140");
+  refused("--projector 912x1140x3" + out, "912x1140");
+  refused("--projector 99999999x9" + out, "912x1140");
+  refused("--projector 12x12" + out, "at least 24 columns");
+  refused("--projector 912x1140", "--out");
+  refused(out, "--projector");
+  refused("--projector 912x1140 --sequence slow" + out, "robust");
+  refused("--projector 912x1140 --axes diagonal" + out, "column");
+  refused("--projector 912x1140 --out " + folder.file("plain", "x").string(), "plain");
+  refused("--projector 912x1140 --out /proc/nowhere", "/proc/nowhere");
+  refused("--projector 912x1140 --bogus" + out, "bogus");
+  CHECK_FALSE(std::filesystem::exists(folder / "out"));
+}
