@@ -1,18 +1,18 @@
 // The virtual camera against Aravis, an implementation of GigE Vision that is not ours.
-#include <arv.h>
-
 #include <atomic>
 #include <catch2/catch.hpp>
 #include <chrono>
 #include <thread>
 #include <vector>
 
+#include "aravis_client.hpp"
 #include "base/clock.hpp"
 #include "virtual_cell/gige/camera.hpp"
 
 using namespace beltpick;
 using namespace beltpick::virtual_cell::gige;
 using namespace std::chrono_literals;
+using beltpick::test::AravisClient;
 
 namespace {
 
@@ -34,42 +34,6 @@ std::unique_ptr<Camera> open_device(std::atomic<int>* strobes = nullptr) {
   return std::move(*device);
 }
 
-struct Client {
-  ArvCamera* camera = nullptr;
-  ArvStream* stream = nullptr;
-  std::atomic<bool> lost{false};
-
-  explicit Client(int buffers = 30) {
-    GError* error = nullptr;
-    camera = arv_camera_new(kAddress, &error);
-    if (camera == nullptr) FAIL("no camera: " << (error != nullptr ? error->message : "?"));
-    g_signal_connect(arv_camera_get_device(camera), "control-lost", G_CALLBACK(&Client::on_lost), this);
-    arv_camera_gv_set_stream_options(camera, ARV_GV_STREAM_OPTION_PACKET_SOCKET_DISABLED);
-    set("TriggerSelector", "FrameStart");
-    set("TriggerMode", "On");
-    set("TriggerSource", "Line0");
-    set("ExposureMode", "TriggerWidth");
-    arv_camera_gv_set_packet_size(camera, 8000, nullptr);
-    stream = arv_camera_create_stream(camera, nullptr, nullptr, &error);
-    REQUIRE(stream != nullptr);
-    g_object_set(stream, "socket-buffer", ARV_GV_STREAM_SOCKET_BUFFER_FIXED, "socket-buffer-size", 2'000'000, nullptr);
-    const auto payload = arv_camera_get_payload(camera, nullptr);
-    for (int i = 0; i < buffers; ++i) arv_stream_push_buffer(stream, arv_buffer_new(payload, nullptr));
-    arv_camera_start_acquisition(camera, &error);
-    REQUIRE(error == nullptr);
-  }
-  ~Client() {
-    g_clear_object(&stream);
-    g_clear_object(&camera);
-  }
-  void set(const char* feature, const char* value) {
-    GError* error = nullptr;
-    arv_camera_set_string(camera, feature, value, &error);
-    if (error != nullptr) FAIL(feature << ": " << error->message);
-  }
-  static void on_lost(ArvDevice*, Client* self) { self->lost = true; }
-};
-
 void pulse(Camera& device, std::chrono::microseconds width, std::chrono::microseconds period) {
   const auto start = std::chrono::steady_clock::now();
   device.line_edge(true, monotonic_us());
@@ -84,7 +48,7 @@ struct Received {
   std::vector<ArvBufferStatus> broken;
 };
 
-Received receive(Client& client, int frames, std::chrono::milliseconds patience = 1500ms) {
+Received receive(AravisClient& client, int frames, std::chrono::milliseconds patience = 1500ms) {
   Received received;
   for (int i = 0; i < frames; ++i) {
     ArvBuffer* buffer =
@@ -109,7 +73,7 @@ Received receive(Client& client, int frames, std::chrono::milliseconds patience 
 TEST_CASE("22 frames at 60 Hz arrive whole, in order, across the wrap of the frame ids") {
   std::atomic<int> strobes{0};
   const auto device = open_device(&strobes);
-  Client client;
+  AravisClient client(kAddress);
   CHECK(std::string(arv_camera_get_device_serial_number(client.camera, nullptr)) == "BPTEST1");
   for (int i = 0; i < 22; ++i) pulse(*device, 4000us, 16667us);
   const Received received = receive(client, 22);
@@ -122,7 +86,7 @@ TEST_CASE("22 frames at 60 Hz arrive whole, in order, across the wrap of the fra
 
 TEST_CASE("lost packets are sent again on request") {
   const auto device = open_device();
-  Client client;
+  AravisClient client(kAddress);
   device->set_packet_loss(0.02);
   for (int i = 0; i < 22; ++i) pulse(*device, 2000us, 16667us);
   const Received received = receive(client, 22);
@@ -133,7 +97,7 @@ TEST_CASE("lost packets are sent again on request") {
 
 TEST_CASE("frame faults: lost, short, wrong size, black, duplicated, missed trigger") {
   const auto device = open_device();
-  Client client;
+  AravisClient client(kAddress);
   device->inject(FrameFault::kLoseFrame, 1);
   device->inject(FrameFault::kShortFrame, 3);
   device->inject(FrameFault::kWrongSize, 5);
@@ -155,7 +119,7 @@ TEST_CASE("frame faults: lost, short, wrong size, black, duplicated, missed trig
 
 TEST_CASE("a second client gets no control; a write may be announced as pending") {
   const auto device = open_device();
-  Client client;
+  AravisClient client(kAddress);
   CHECK(arv_gv_device_is_controller(ARV_GV_DEVICE(arv_camera_get_device(client.camera))));
   ArvCamera* other = arv_camera_new(kAddress, nullptr);
   if (other != nullptr) {
@@ -174,7 +138,7 @@ TEST_CASE("a second client gets no control; a write may be announced as pending"
 TEST_CASE("a vanished camera is noticed, and serves again after it came back") {
   const auto device = open_device();
   {
-    Client client;
+    AravisClient client(kAddress);
     pulse(*device, 2000us, 16667us);
     CHECK(receive(client, 1).values.size() == 1);
     device->die();
@@ -183,14 +147,14 @@ TEST_CASE("a vanished camera is noticed, and serves again after it came back") {
     CHECK_FALSE(device->acquiring());
   }
   device->revive();
-  Client client;
+  AravisClient client(kAddress);
   pulse(*device, 2000us, 16667us);
   CHECK(receive(client, 1).values.size() == 1);
 }
 
 TEST_CASE("a client that falls silent loses control and the stream stops") {
   const auto device = open_device();
-  Client client;
+  AravisClient client(kAddress);
   REQUIRE(device->acquiring());
   constexpr guint64 kHeartbeatTimeoutRegister = 0x0938;
   REQUIRE(arv_device_write_register(arv_camera_get_device(client.camera), kHeartbeatTimeoutRegister, 300, nullptr));
