@@ -1,0 +1,128 @@
+# Steps of deploy/demo, a function each.
+
+say() { echo "demo: $*" >&2; }
+refuse() {
+  echo "deploy/demo: $*" >&2
+  exit 2
+}
+
+whole() {
+  [[ $2 =~ ^[0-9]{1,9}$ ]] || refuse "$1: expected a whole number, found '$2'"
+  echo "$2"
+}
+decimal() {
+  [[ $2 =~ ^[0-9]*\.?[0-9]+$ ]] || refuse "$1: expected a number, found '$2'"
+  echo "$2"
+}
+
+# Configures where that was not done yet, without the tests' needs, and builds the two programs.
+build() {
+  local tree=$1 log=$1/build/demo.log options=()
+  mkdir -p "$tree/build"
+  [ -f "$tree/build/release/CMakeCache.txt" ] || options=(-DBELTPICK_TESTS=OFF)
+  if ! (cd "$tree" && cmake --preset release "${options[@]}" >"$log" 2>&1); then
+    tail -n 30 "$log" >&2
+    refuse "configuring failed; see $log"
+  fi
+  if [ -t 2 ]; then
+    cmake --build "$tree/build/release" --target beltpick beltpickd >&2 || refuse "the build failed"
+  elif ! cmake --build "$tree/build/release" --target beltpick beltpickd >>"$log" 2>&1; then
+    tail -n 30 "$log" >&2
+    refuse "the build failed; see $log"
+  fi
+}
+
+# What an engineer does once for a cell and a part; kept until the program is built anew.
+make_cell() {
+  local beltpick=$1 folder=$2
+  [ "$folder/complete" -nt "$beltpick" ] && return
+  rm -rf "$folder"
+  mkdir -p "$folder"
+  "$beltpick" simulate --scene bare --sequence standard --out "$folder/rig" --write-parts "$folder" --part knuckle >&2
+  mv "$folder/rig/calibration.json" "$folder/rig/cell.json" "$folder/rig/sequence.json" "$folder/"
+  rm -rf "$folder/rig"
+  "$beltpick" teach "$folder/knuckle.stl" --units mm --grasps "$folder/knuckle.grasps.toml" \
+    --out "$folder/knuckle.template" >&2
+  cat >"$folder/recipe.json" <<RECIPE
+{"format": "beltpick-recipe", "version": 1, "number": 1, "name": "knuckles", "sequence": "sequence.json",
+ "exposure_us": 8000, "settle_us": 1000, "period_us": 22000, "templates": ["knuckle.template"]}
+RECIPE
+  touch "$folder/complete"
+}
+
+# The first TCP port from $1 on that nobody listens on.
+free_tcp_port() {
+  local port=$1
+  while grep -qsi "^ *[0-9]*: [0-9A-F]*:$(printf %04X "$port") [0-9A-F:]* 0A" /proc/net/tcp /proc/net/tcp6; do
+    port=$((port + 1))
+  done
+  echo "$port"
+}
+
+# The first loopback address whose GigE Vision port, UDP 3956, is free.
+free_camera_address() {
+  local last=1
+  while grep -qsiE "^ *[0-9]+: ($(printf %02X "$last")00007F|00000000):0F74" /proc/net/udp && [ "$last" -lt 250 ]; do
+    last=$((last + 1))
+  done
+  echo "127.0.0.$last"
+}
+
+write_config() {
+  local file=$1 cell=$2 run=$3 camera=$4 port=$5
+  cat >"$file" <<CONFIG
+[camera]
+id = "$camera"
+[trigger]
+tty = "$run/trigger"
+[model]
+calibration = "$cell/calibration.json"
+cell = "$cell/cell.json"
+recipes = ["$cell/recipe.json"]
+[plc]
+address = "127.0.0.1"
+port = $port
+[record]
+folder = "$run/pictures"
+pictures = true
+frames = "failed"
+summary = "$run/summary.json"
+CONFIG
+}
+
+wait_for_file() {
+  local file=$1 process=$2
+  for _ in $(seq 600); do
+    [ -e "$file" ] && return
+    kill -0 "$process" 2>/dev/null || refuse "the virtual cell did not start"
+    sleep 0.1
+  done
+  refuse "the virtual cell did not start within a minute"
+}
+
+# Until the belt is empty; the appliance must not end before.
+wait_for_world() {
+  local world=$1 daemon=$2 log=$3
+  while kill -0 "$world" 2>/dev/null; do
+    if ! kill -0 "$daemon" 2>/dev/null; then
+      tail -n 20 "$log" >&2
+      refuse "beltpickd ended; see $log"
+    fi
+    sleep 0.2
+  done
+  wait "$world" || say "the virtual cell did not finish the belt; see $log"
+}
+
+# Ends what was started, politely first.
+stop_all() {
+  trap - EXIT
+  local processes=(${world:-} ${daemon:-}) process
+  for process in "${processes[@]}"; do kill "$process" 2>/dev/null || true; done
+  for _ in $(seq 100); do
+    local alive=false
+    for process in "${processes[@]}"; do kill -0 "$process" 2>/dev/null && alive=true; done
+    $alive || return 0
+    sleep 0.1
+  done
+  for process in "${processes[@]}"; do kill -9 "$process" 2>/dev/null || true; done
+}
