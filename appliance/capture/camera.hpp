@@ -19,6 +19,7 @@
 
 namespace beltpick::capture {
 
+class Camera;
 class GigeCamera;
 
 struct CameraConfig {
@@ -49,14 +50,19 @@ class CameraLease {
   void requeue(const Frame& frame);
   // True once the camera said goodbye or does not answer.
   [[nodiscard]] bool lost() const;
-  // Asks the camera for a sign of life, at most 200 ms. Telling a dead camera from one that missed a trigger.
+  // Asks the camera for a sign of life; false after 200 ms without one. Tells a dead camera from one that missed a
+  // trigger.
   bool answers();
+  // Another number for every time the camera was opened: frame ids begin anew then.
+  [[nodiscard]] unsigned generation() const;
 
  private:
   friend class Camera;
-  CameraLease(std::unique_lock<std::timed_mutex> lock, GigeCamera* camera) : lock_(std::move(lock)), camera_(camera) {}
+  CameraLease(std::unique_lock<std::timed_mutex> lock, Camera& owner, GigeCamera* camera)
+      : lock_(std::move(lock)), owner_(&owner), camera_(camera) {}
 
   std::unique_lock<std::timed_mutex> lock_;
+  Camera* owner_;
   GigeCamera* camera_;
 };
 
@@ -83,9 +89,11 @@ class Camera {
   [[nodiscard]] int height() const { return config_.height; }
 
  private:
+  friend class CameraLease;
+
   void keep();
   void open();
-  void close(const Error& why);
+  void lose();
   bool pause(int milliseconds);
   void remember(const Error& error);
 

@@ -21,16 +21,19 @@ struct CaptureTiming {
 
 // What the checks may expect of one frame.
 struct FrameExpectation {
-  bool dark = false;            // projected black
-  bool fine = false;            // stripes narrow enough that any view holds bright and dark ones
-  bool same_as_before = false;  // the pattern of the frame before, again (an HDR repeat): not a duplicate
+  bool dark = false;     // projected black
+  bool bright = false;   // projected white
+  bool stripes = false;  // narrow enough that any view holds bright and dark ones
   bool phase = false;
+  bool repeats = false;  // the pattern of the frame before once more (an HDR repeat): not a duplicate
+  double exposure_us = 0.0;
 };
 
 struct CapturePlan {
   protocol::Arm timing;  // without its id
   std::vector<FrameExpectation> frames;
   std::int64_t duration_us = 0;  // START to DONE
+  unsigned number = 0;  // another one for every plan made: what was learnt under one does not hold for the next
 };
 
 // kLimitExceeded: more frames or more changes of exposure than the firmware holds. kValueOutOfRange: a timing that

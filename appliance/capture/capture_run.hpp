@@ -4,6 +4,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <optional>
 
 #include "base/arena.hpp"
 #include "base/image.hpp"
@@ -48,17 +49,22 @@ class CaptureRun {
  private:
   struct Progress;
 
-  Result<void> start(const CapturePlan& plan, Progress& progress);
-  Result<void> collect(const CapturePlan& plan, FrameSink& sink, const std::atomic<ResultCode>& cancel,
-                       Progress& progress);
+  Result<CaptureReport> run_with(CameraLease& lease, const CapturePlan& plan, FrameSink& sink,
+                                 const std::atomic<ResultCode>& cancel);
+  Result<void> start(CameraLease& lease, const CapturePlan& plan, Progress& progress);
+  Result<void> collect(CameraLease& lease, FrameSink& sink, const std::atomic<ResultCode>& cancel, Progress& progress);
+  Result<void> take_frame(const Frame& frame, FrameSink& sink, Progress& progress);
   Result<void> take_events(Progress& progress);
-  Result<void> take_frame(const Frame& frame, const CapturePlan& plan, FrameSink& sink, Progress& progress);
-  Result<void> look_around(const CapturePlan& plan, const std::atomic<ResultCode>& cancel, Progress& progress);
-  void recover(CameraLease& lease);
+  Result<void> look_around(CameraLease& lease, const std::atomic<ResultCode>& cancel, Progress& progress);
+  Result<void> judge_stall(const Progress& progress);
+  Error recover(CameraLease& lease, const Error& error);
 
   Camera& camera_;
   TriggerLink& trigger_;
   FrameCheck check_;
+  unsigned plan_number_ = 0;                    // that the frame check learnt from
+  unsigned camera_generation_ = 0;              // that last_frame_id_ belongs to
+  std::optional<std::uint64_t> last_frame_id_;  // of the last capture, if it went well
 };
 
 }  // namespace beltpick::capture

@@ -81,7 +81,6 @@ class TriggerLink {
   struct Pending {
     bool waiting = false;
     std::uint8_t sequence = 0;
-    protocol::Type reply_type = protocol::Type::kReply;
     std::optional<protocol::Refusal> refusal;
   };
 
@@ -95,6 +94,7 @@ class TriggerLink {
   void take_reply(const protocol::Header& header);
   void take_event(const protocol::Header& header);
   void take_status(const protocol::StatusReport& report);
+  void take_fault(const protocol::FaultEvent& fault);
   void take_inputs(std::uint8_t inputs);
   bool write_frame(const std::uint8_t* frame, std::size_t size);
   template <class Payload>

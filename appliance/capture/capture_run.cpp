@@ -1,0 +1,215 @@
+#include "capture/capture_run.hpp"
+
+#include <algorithm>
+
+#include "base/clock.hpp"
+#include "capture/frame_ids.hpp"
+
+namespace beltpick::capture {
+
+using protocol::Fault;
+using protocol::State;
+using protocol::Type;
+
+namespace {
+
+constexpr std::int64_t kLookEveryUs = 4'000;  // at signals, events and the clock while no frame comes
+constexpr std::int64_t kStallUs = 1'000'000;  // without frame or event, beyond the longest period
+constexpr std::int64_t kQuietUs = 60'000;     // without a frame: what was under way has arrived
+constexpr std::int64_t kRecoverUs = 600'000;
+
+std::unexpected<Error> fault_of(Fault fault, unsigned frame) {
+  const protocol::FaultEntry* entry = protocol::find_fault(fault);
+  const char* name = entry != nullptr ? entry->name : "UNKNOWN";
+  const char* cause = entry != nullptr ? entry->cause : "a fault of a newer firmware";
+  const char* remedy = entry != nullptr ? entry->remedy : "update beltpick";
+  if (frame == protocol::kNoFrame) {
+    return failure(code_of(fault), "trigger: %s: %s; %s", name, cause, remedy);
+  }
+  return failure(code_of(fault), "trigger at frame %u: %s: %s; %s", frame, name, cause, remedy);
+}
+
+std::unexpected<Error> cancelled(ResultCode code) {
+  const ResultCodeEntry* entry = find_result_code(code);
+  const std::string_view cause = entry != nullptr ? entry->cause : "cancelled";
+  const std::string_view remedy = entry != nullptr ? entry->remedy : "";
+  return failure(code, "capture aborted: %.*s; %.*s", static_cast<int>(cause.size()), cause.data(),
+                 static_cast<int>(remedy.size()), remedy.data());
+}
+
+void discard_frames(CameraLease& lease) {
+  while (const std::optional<Frame> frame = lease.wait_frame(0)) lease.requeue(*frame);
+}
+
+}  // namespace
+
+struct CaptureRun::Progress {
+  explicit Progress(const CapturePlan& capture_plan) : plan(capture_plan) {}
+
+  const CapturePlan& plan;
+  std::uint16_t arm_id = 0;
+  int frames = 0;
+  int strobes = 0;
+  bool done = false;
+  std::optional<std::uint64_t> last_id;
+  std::int64_t started_us = monotonic_us();
+  std::int64_t moved_us = monotonic_us();  // when the last frame or event came
+  std::int64_t last_frame_us = 0;
+
+  [[nodiscard]] int wanted() const { return static_cast<int>(plan.frames.size()); }
+};
+
+CaptureRun::CaptureRun(Camera& camera, TriggerLink& trigger, int max_frames, Arena& arena)
+    : camera_(camera), trigger_(trigger), check_(max_frames, arena) {}
+
+Result<CaptureReport> CaptureRun::run(const CapturePlan& plan, FrameSink& sink, const std::atomic<ResultCode>& cancel) {
+  if (!trigger_.connected()) return std::unexpected(trigger_.last_error());
+  Result<CameraLease> lease = camera_.lease();
+  if (!lease) return std::unexpected(lease.error());
+  Result<CaptureReport> report = run_with(*lease, plan, sink, cancel);
+  if (!report) return std::unexpected(recover(*lease, report.error()));
+  return report;
+}
+
+Result<CaptureReport> CaptureRun::run_with(CameraLease& lease, const CapturePlan& plan, FrameSink& sink,
+                                           const std::atomic<ResultCode>& cancel) {
+  Progress progress(plan);
+  Result<void> done = start(lease, plan, progress);
+  if (done) done = collect(lease, sink, cancel, progress);
+  if (done) done = check_.judge(plan.frames);
+  if (!done) return std::unexpected(done.error());
+  last_frame_id_ = progress.last_id;
+  return CaptureReport{progress.frames, progress.last_frame_us - progress.started_us, progress.last_frame_us};
+}
+
+Result<void> CaptureRun::start(CameraLease& lease, const CapturePlan& plan, Progress& progress) {
+  if (plan_number_ != plan.number) check_.forget();
+  plan_number_ = plan.number;
+  check_.begin();
+  if (camera_generation_ != lease.generation()) last_frame_id_.reset();
+  camera_generation_ = lease.generation();
+  progress.last_id = last_frame_id_;
+  discard_frames(lease);
+  if (trigger_.status().state == State::kFault) {
+    const Result<void> cleared = trigger_.clear();
+    if (!cleared) return cleared;
+  }
+  while (trigger_.next_event()) {
+  }
+  const Result<std::uint16_t> armed = trigger_.arm(plan.timing);
+  if (!armed) return std::unexpected(armed.error());
+  progress.arm_id = *armed;
+  progress.moved_us = monotonic_us();
+  return trigger_.start_sequence(*armed);
+}
+
+Result<void> CaptureRun::collect(CameraLease& lease, FrameSink& sink, const std::atomic<ResultCode>& cancel,
+                                 Progress& progress) {
+  while (progress.frames < progress.wanted() || !progress.done) {
+    Result<void> well = look_around(lease, cancel, progress);
+    if (!well) return well;
+    const std::optional<Frame> frame = lease.wait_frame(kLookEveryUs);
+    if (!frame) continue;
+    well = take_frame(*frame, sink, progress);
+    lease.requeue(*frame);
+    if (!well) return well;
+  }
+  return {};
+}
+
+// The frame's number in the sequence follows from the ids: the camera counts every exposure, also of frames that were
+// lost.
+Result<void> CaptureRun::take_frame(const Frame& frame, FrameSink& sink, Progress& progress) {
+  const std::int64_t step = progress.last_id ? frames_between(*progress.last_id, frame.frame_id) : 1;
+  if (step <= 0) return {};  // a straggler of an earlier capture
+  if (step > 1) {
+    return failure(
+        ResultCode::kFrameMissing,
+        "frame %d of %d: expected frame id %llu, found %llu: %lld lost; check the network and its receive buffers",
+        progress.frames, progress.wanted(), static_cast<unsigned long long>(*progress.last_id + 1),
+        static_cast<unsigned long long>(frame.frame_id), static_cast<long long>(step - 1));
+  }
+  if (frame.code == ResultCode::kFrameIncomplete) {
+    return failure(
+        frame.code,
+        "frame %d of %d: packets were lost and not resent in time; check the network card and its receive buffers",
+        progress.frames, progress.wanted());
+  }
+  if (frame.code != ResultCode::kOk) {
+    return failure(frame.code,
+                   "frame %d of %d: expected %dx%d Mono8, found another size; check the camera's region of interest",
+                   progress.frames, progress.wanted(), camera_.width(), camera_.height());
+  }
+  if (progress.frames == progress.wanted()) {
+    return failure(ResultCode::kSequenceOrderWrong, "expected %d frames, found more; check the trigger line for noise",
+                   progress.wanted());
+  }
+  progress.last_id = frame.frame_id;
+  progress.moved_us = progress.last_frame_us = monotonic_us();
+  check_.add(frame.image);
+  sink.take(progress.frames++, frame.image);
+  return {};
+}
+
+Result<void> CaptureRun::take_events(Progress& progress) {
+  while (const std::optional<TriggerEvent> event = trigger_.next_event()) {
+    progress.moved_us = monotonic_us();
+    if (event->type == Type::kFrameEvent && event->frame.arm_id == progress.arm_id) ++progress.strobes;
+    if (event->type == Type::kDoneEvent && event->done.arm_id == progress.arm_id) progress.done = true;
+    if (event->type == Type::kFaultEvent) return fault_of(event->fault.fault, event->fault.frame);
+  }
+  // An event that the wire lost still stands in the status.
+  const protocol::StatusReport status = trigger_.status();
+  if (status.arm_id != progress.arm_id) return {};
+  if (status.state == State::kFault) return fault_of(status.fault, status.fault_frame);
+  if (status.state == State::kDone) progress.done = true;
+  return {};
+}
+
+Result<void> CaptureRun::look_around(CameraLease& lease, const std::atomic<ResultCode>& cancel, Progress& progress) {
+  const ResultCode wish = cancel;
+  if (wish != ResultCode::kOk) return cancelled(wish);
+  const Result<void> events = take_events(progress);
+  if (!events) return events;
+  if (!trigger_.connected()) return std::unexpected(trigger_.last_error());
+  if (lease.lost())
+    return failure(ResultCode::kCameraLost, "camera: lost after %d of %d frames", progress.frames, progress.wanted());
+  return judge_stall(progress);
+}
+
+// Time is up when nothing moves: the trigger's clock may be slower than ours, so its events count, not our estimate.
+Result<void> CaptureRun::judge_stall(const Progress& progress) {
+  std::int64_t period_us = 0;
+  for (const protocol::Group& group : progress.plan.timing.groups)
+    period_us = std::max<std::int64_t>(period_us, group.period_us);
+  if (monotonic_us() - progress.moved_us < kStallUs + period_us) return {};
+  if (progress.done) {
+    return failure(ResultCode::kFrameMissing,
+                   "expected %d frames, found %d though %d were exposed; check the network and its receive buffers",
+                   progress.wanted(), progress.frames, progress.strobes);
+  }
+  return failure(ResultCode::kCaptureTimeout,
+                 "expected the sequence to end, found it stuck after %d of %d frames; check the trigger",
+                 progress.frames, progress.wanted());
+}
+
+// Leaves trigger and camera as the next capture needs them. A camera that missed its trigger may be a dead one: then
+// that is the error to tell.
+Error CaptureRun::recover(CameraLease& lease, const Error& error) {
+  last_frame_id_.reset();
+  if (trigger_.connected()) static_cast<void>(trigger_.abort());
+  const bool suspect = error.code == ResultCode::kFrameMissing || error.code == ResultCode::kCaptureTimeout ||
+                       error.code == code_of(Fault::kStrobeMissing);
+  if (lease.lost() || (suspect && !lease.answers())) {
+    return failure(ResultCode::kCameraLost, "camera: does not answer (%.200s)", error.detail).error();
+  }
+  const std::int64_t until_us = monotonic_us() + kRecoverUs;
+  while (monotonic_us() < until_us) {
+    const std::optional<Frame> late = lease.wait_frame(kQuietUs);
+    if (!late) break;
+    lease.requeue(*late);
+  }
+  return error;
+}
+
+}  // namespace beltpick::capture

@@ -1,0 +1,161 @@
+#include <catch2/catch.hpp>
+#include <chrono>
+#include <filesystem>
+#include <functional>
+#include <optional>
+
+#include "base/clock.hpp"
+#include "capture/trigger_link.hpp"
+#include "contract/result_codes.hpp"
+#include "host/board.hpp"
+
+using namespace beltpick;
+
+namespace {
+
+// Generous: only a failing test waits that long.
+bool eventually(const std::function<bool()>& condition, int patience_ms = 10000) {
+  const std::int64_t until_us = monotonic_us() + patience_ms * std::int64_t{1000};
+  while (monotonic_us() < until_us) {
+    if (condition()) return true;
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  }
+  return condition();
+}
+
+// A board whose camera mirrors pulse and strobe, behind a link that survives the board's end.
+struct Bench {
+  Bench() : tty(std::filesystem::temp_directory_path() / ("beltpick-link-" + std::to_string(::getpid()))) {
+    power_up();
+  }
+
+  void power_up() {
+    host::BoardOptions options;
+    options.link = tty;
+    options.belt_stopped = true;
+    options.on_edge = [this](const host::PinEdge& edge) {
+      if (edge.pin == host::Pin::kCameraTrigger) board->set_strobe(edge.level);
+    };
+    board.emplace(options);
+  }
+
+  static protocol::Arm sequence(std::uint16_t frames, std::uint32_t exposure_us = 500) {
+    protocol::Arm arm;
+    arm.host_silence_ms = 2000;
+    arm.strobe_tolerance_us = 300;
+    arm.group_count = 1;
+    arm.groups[0] = {frames, 200, exposure_us, 2000, 1000};
+    return arm;
+  }
+
+  std::string tty;
+  std::optional<host::Board> board;
+};
+
+}  // namespace
+
+TEST_CASE("a sequence through the link: all frames in order, then done", "[trigger link]") {
+  Bench bench;
+  capture::TriggerLink link({.tty = bench.tty});
+  CHECK_FALSE(link.inputs().known);
+  CHECK_FALSE(link.inputs().belt_stopped);
+  link.start();
+  REQUIRE(eventually([&] { return link.connected(); }));
+  CHECK(link.inputs().belt_stopped);
+  for (int run = 0; run < 3; ++run) {
+    const auto armed = link.arm(Bench::sequence(30));
+    REQUIRE(armed);
+    REQUIRE(link.start_sequence(*armed));
+    std::uint16_t frames = 0;
+    bool done = false;
+    REQUIRE(eventually([&] {
+      while (const auto event = link.next_event()) {
+        if (event->type == protocol::Type::kFrameEvent) CHECK(event->frame.frame == frames++);
+        if (event->type == protocol::Type::kDoneEvent) done = event->done.arm_id == *armed;
+      }
+      return done;
+    }));
+    CHECK(frames == 30);
+  }
+  CHECK(link.events_lost() == 0);
+}
+
+TEST_CASE("what cannot be run is refused with its reason", "[trigger link]") {
+  Bench bench;
+  capture::TriggerLink link({.tty = bench.tty});
+  link.start();
+  REQUIRE(eventually([&] { return link.connected(); }));
+  const auto too_long = link.arm(Bench::sequence(3, 1500));
+  REQUIRE_FALSE(too_long);
+  CHECK(too_long.error().code == ResultCode::kValueOutOfRange);
+  CHECK(too_long.error().text().find("period is shorter") != std::string_view::npos);
+  bench.board->set_belt_stopped(false);
+  const auto armed = link.arm(Bench::sequence(3));
+  REQUIRE(armed);
+  const auto started = link.start_sequence(*armed);
+  REQUIRE_FALSE(started);
+  CHECK(started.error().code == ResultCode::kBeltMovedDuringCapture);
+}
+
+TEST_CASE("inputs follow the pins, and faults latch until cleared", "[trigger link]") {
+  Bench bench;
+  capture::TriggerLink link({.tty = bench.tty});
+  link.start();
+  REQUIRE(eventually([&] { return link.inputs().belt_stopped; }));
+  const std::int64_t before_us = link.inputs().changed_us;
+  bench.board->set_belt_stopped(false);
+  REQUIRE(eventually([&] { return !link.inputs().belt_stopped; }));
+  CHECK(link.inputs().changed_us > before_us);
+  bench.board->set_belt_stopped(true);
+  bench.board->set_emergency_stop(true);
+  REQUIRE(eventually([&] { return link.inputs().emergency_stop; }));
+  CHECK(link.clear().error().code == ResultCode::kEmergencyStop);
+  CHECK(link.arm(Bench::sequence(3)).error().code == ResultCode::kEmergencyStop);
+  bench.board->set_emergency_stop(false);
+  REQUIRE(eventually([&] { return link.clear().has_value(); }));
+  CHECK(link.arm(Bench::sequence(3)));
+}
+
+TEST_CASE("a mute line is a lost trigger with unsafe inputs, and comes back by itself", "[trigger link]") {
+  Bench bench;
+  capture::TriggerLink link({.tty = bench.tty});
+  link.start();
+  REQUIRE(eventually([&] { return link.connected(); }));
+  bench.board->mute(true);
+  const auto request = link.abort();
+  REQUIRE_FALSE(request);
+  CHECK(request.error().code == ResultCode::kTriggerLost);
+  REQUIRE(eventually([&] { return !link.connected(); }));
+  CHECK_FALSE(link.inputs().known);
+  CHECK_FALSE(link.inputs().belt_stopped);
+  CHECK(link.last_error().code == ResultCode::kTriggerLost);
+  bench.board->mute(false);
+  REQUIRE(eventually([&] { return link.connected(); }));
+  CHECK(link.abort());
+}
+
+TEST_CASE("a board that was powered off is found again at its new tty", "[trigger link]") {
+  Bench bench;
+  capture::TriggerLink link({.tty = bench.tty});
+  link.start();
+  REQUIRE(eventually([&] { return link.connected(); }));
+  bench.board.reset();
+  REQUIRE(eventually([&] { return !link.connected(); }));
+  bench.power_up();
+  REQUIRE(eventually([&] { return link.connected(); }));
+  CHECK(link.arm(Bench::sequence(3)));
+}
+
+TEST_CASE("a tty that is not there is told, and stopping does not wait for it", "[trigger link]") {
+  capture::TriggerLink link({.tty = "/dev/no-such-tty"});
+  link.start();
+  REQUIRE(eventually([&] { return link.last_error().text().find("No such file") != std::string_view::npos; }));
+  CHECK(link.last_error().code == ResultCode::kTriggerLost);
+  CHECK(link.arm(Bench::sequence(3)).error().code == ResultCode::kTriggerLost);
+}
+
+TEST_CASE("firmware faults have codes of their own, or the appliance's where it has one", "[trigger link]") {
+  CHECK(static_cast<int>(capture::code_of(protocol::Fault::kStrobeMissing)) == 201);
+  CHECK(capture::code_of(protocol::Fault::kBeltMoved) == ResultCode::kBeltMovedDuringCapture);
+  CHECK(capture::code_of(protocol::Fault::kEmergencyStop) == ResultCode::kEmergencyStop);
+}
