@@ -85,6 +85,12 @@ void name_files(Sequence& sequence) {
 
 }  // namespace
 
+std::optional<SequenceName> find_sequence_name(std::string_view name) {
+  const auto* const at = std::find(kSequenceNames.begin(), kSequenceNames.end(), name);
+  if (at == kSequenceNames.end()) return std::nullopt;
+  return static_cast<SequenceName>(at - kSequenceNames.begin());
+}
+
 Result<Sequence> make_sequence(SequenceName name, const ProjectorGrid& projector, SequenceAxes axes) {
   const Recipe recipe = recipe_of(name);
   Sequence sequence;

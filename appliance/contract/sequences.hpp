@@ -1,7 +1,10 @@
 // The named pattern sequences: which frames are projected for `fast`, `standard` and `robust`.
 #pragma once
 
+#include <array>
 #include <cstdint>
+#include <optional>
+#include <string_view>
 
 #include "base/result.hpp"
 #include "contract/capture.hpp"
@@ -10,6 +13,13 @@ namespace beltpick {
 
 enum class SequenceName : std::uint8_t { kFast, kStandard, kRobust };
 enum class SequenceAxes : std::uint8_t { kColumn, kRow, kBoth };
+
+// How files and the command line call them, in the order of the enumerators.
+inline constexpr std::array<std::string_view, 3> kSequenceNames{"fast", "standard", "robust"};
+inline constexpr std::array<std::string_view, 3> kSequenceAxesNames{"column", "row", "both"};
+
+// The enumerator of a name; nothing where there is none, as for the path of a sequence.json.
+std::optional<SequenceName> find_sequence_name(std::string_view name);
 
 // The frames of a named sequence for a projector of any size, files 000.png, 001.png, ... in projection order. Every
 // axis has an N-step phase, then Gray code in cells of half its period (the complementary code). The period is as short

@@ -1,7 +1,5 @@
 #include "contract_io/recipe_io.hpp"
 
-#include <array>
-
 #include "contract/result_codes.hpp"
 #include "contract_io/capture_io.hpp"
 #include "contract_io/file_io.hpp"
@@ -14,15 +12,6 @@ namespace {
 constexpr const char* kFormat = "beltpick-recipe";
 constexpr int kVersion = 1;
 constexpr double kMaxTime_us = 1e6;  // what the trigger microcontroller takes
-constexpr std::array kNamedSequences{"fast", "standard", "robust"};
-constexpr std::array kAxes{"column", "row", "both"};
-
-int named_sequence(const std::string& text) {
-  for (std::size_t i = 0; i < kNamedSequences.size(); ++i) {
-    if (text == kNamedSequences[i]) return static_cast<int>(i);
-  }
-  return -1;
-}
 
 std::string from_folder(const std::filesystem::path& folder, const std::string& path) {
   return path.empty() ? path : std::filesystem::absolute(folder / path).lexically_normal().string();
@@ -44,7 +33,8 @@ Result<Recipe> parse_recipe(std::string_view text, const std::string& name, cons
   recipe.number = static_cast<std::uint16_t>(root.integer("number", {1, 65535}));
   recipe.name = root.text("name", std::filesystem::path(name).stem().string());
   recipe.sequence = root.text("sequence", recipe.sequence);
-  recipe.axes = static_cast<SequenceAxes>(root.choice("axes", {kAxes[0], kAxes[1], kAxes[2]}, 0));
+  recipe.axes = static_cast<SequenceAxes>(
+      root.choice("axes", {kSequenceAxesNames[0], kSequenceAxesNames[1], kSequenceAxesNames[2]}, 0));
   recipe.exposure_us = root.number("exposure_us", {1, kMaxTime_us});
   recipe.settle_us = root.number("settle_us", {100, kMaxTime_us}, recipe.settle_us);
   recipe.period_us = root.number("period_us", {0, kMaxTime_us}, recipe.period_us);
@@ -55,7 +45,7 @@ Result<Recipe> parse_recipe(std::string_view text, const std::string& name, cons
               std::to_string(recipe.period_us));
   }
   if (document.failed()) return document.error();
-  if (named_sequence(recipe.sequence) < 0) recipe.sequence = from_folder(folder, recipe.sequence);
+  if (!find_sequence_name(recipe.sequence)) recipe.sequence = from_folder(folder, recipe.sequence);
   for (std::string& path : recipe.templates) path = from_folder(folder, path);
   return recipe;
 }
@@ -73,7 +63,7 @@ Result<void> write_recipe(const std::filesystem::path& path, const Recipe& recip
   json["number"] = recipe.number;
   json["name"] = recipe.name;
   json["sequence"] = recipe.sequence;
-  json["axes"] = kAxes[static_cast<std::size_t>(recipe.axes)];
+  json["axes"] = kSequenceAxesNames[static_cast<std::size_t>(recipe.axes)];
   json["exposure_us"] = recipe.exposure_us;
   json["settle_us"] = recipe.settle_us;
   json["period_us"] = recipe.period_us;
@@ -82,9 +72,8 @@ Result<void> write_recipe(const std::filesystem::path& path, const Recipe& recip
 }
 
 Result<Sequence> recipe_sequence(const Recipe& recipe, const ProjectorGrid& projector, Warnings& warnings) {
-  const int named = named_sequence(recipe.sequence);
-  auto sequence = named >= 0 ? make_sequence(static_cast<SequenceName>(named), projector, recipe.axes)
-                             : read_sequence(recipe.sequence, warnings);
+  const auto named = find_sequence_name(recipe.sequence);
+  auto sequence = named ? make_sequence(*named, projector, recipe.axes) : read_sequence(recipe.sequence, warnings);
   if (!sequence) return sequence;
   const ProjectorGrid& found = sequence->projector;
   if (found.width != projector.width || found.height != projector.height) {

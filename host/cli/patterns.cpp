@@ -1,5 +1,5 @@
 // beltpick patterns: the images that the projector shows, and sequence.json.
-#include <algorithm>
+#include <array>
 #include <memory>
 
 #include "commands.hpp"
@@ -14,15 +14,7 @@
 namespace beltpick::cli {
 namespace {
 
-// In the order of the enumerators.
-const std::vector<std::string> kSequences{"fast", "standard", "robust"};
-const std::vector<std::string> kAxes{"column", "row", "both"};
-const std::vector<std::string> kLayouts{"square", "diamond"};
-
-template <class Enum>
-Enum enum_of(const std::string& name, const std::vector<std::string>& names) {
-  return static_cast<Enum>(std::find(names.begin(), names.end(), name) - names.begin());
-}
+constexpr std::array<std::string_view, 2> kLayouts{"square", "diamond"};  // in the order of the enumerators
 
 struct PatternOptions {
   std::string projector;
@@ -85,8 +77,8 @@ Result<void> run(const PatternOptions& options, Session& session) {
   const auto size = parse_size(options.projector, "--projector");
   if (!size) return std::unexpected(size.error());
   const ProjectorGrid grid{size->width, size->height, enum_of<ProjectorLayout>(options.layout, kLayouts)};
-  const auto sequence = make_sequence(enum_of<SequenceName>(options.sequence, kSequences), grid,
-                                      enum_of<SequenceAxes>(options.axes, kAxes));
+  const auto sequence = make_sequence(enum_of<SequenceName>(options.sequence, kSequenceNames), grid,
+                                      enum_of<SequenceAxes>(options.axes, kSequenceAxesNames));
   if (!sequence) return std::unexpected(sequence.error());
   if (const auto written = write_images(*sequence, options.out, session.json); !written) return written;
 
@@ -104,11 +96,11 @@ Run add_patterns(CLI::App& app) {
   const auto options = std::make_shared<PatternOptions>();
   app.add_option("--projector", options->projector, "the projector's size in pixels, e.g. 912x1140")->required();
   app.add_option("--sequence", options->sequence, "fewer or more frames (default standard)")
-      ->check(CLI::IsMember(kSequences));
+      ->check(CLI::IsMember(choices(kSequenceNames)));
   app.add_option("--axes", options->axes, "what to code of a projector's pixel (default column)")
-      ->check(CLI::IsMember(kAxes));
+      ->check(CLI::IsMember(choices(kSequenceAxesNames)));
   app.add_option("--layout", options->layout, "the projector's lattice (default square)")
-      ->check(CLI::IsMember(kLayouts));
+      ->check(CLI::IsMember(choices(kLayouts)));
   app.add_option("--out", options->out, "folder for 000.png ... and sequence.json")->required()->type_name("DIR");
   app.add_flag("--explain", options->explain, "list what every frame shows");
   example(app, "  beltpick patterns --projector 912x1140 --sequence standard --axes column --out patterns");

@@ -21,8 +21,6 @@ namespace {
 
 namespace vc = virtual_cell;
 
-const std::vector<std::string> kSequences{"fast", "standard", "robust"};
-const std::vector<std::string> kAxes{"column", "row", "both"};
 constexpr int kMaxPartsInView = 12;
 const std::vector<std::string> kLays{"flat", "edge", "any", "leaning", "cut"};
 
@@ -67,11 +65,8 @@ Result<vc::Rig> make_rig(const SimulateOptions& options, const CLI::App& app) {
 // A named sequence for the rig's projector, or a sequence.json made for it.
 Result<Sequence> find_sequence(const SimulateOptions& options, const vc::Rig& rig, const Session& session) {
   const ProjectorGrid grid{rig.projector.width, rig.projector.height, rig.layout};
-  const auto named = std::find(kSequences.begin(), kSequences.end(), options.sequence);
-  if (named != kSequences.end()) {
-    const auto axes = std::find(kAxes.begin(), kAxes.end(), options.axes);
-    return make_sequence(static_cast<SequenceName>(named - kSequences.begin()), grid,
-                         static_cast<SequenceAxes>(axes - kAxes.begin()));
+  if (const auto named = find_sequence_name(options.sequence)) {
+    return make_sequence(*named, grid, enum_of<SequenceAxes>(options.axes, kSequenceAxesNames));
   }
   contract_io::Warnings warnings;
   auto sequence = contract_io::read_sequence(options.sequence, warnings);
@@ -245,7 +240,8 @@ Run add_simulate(CLI::App& app) {
   app.add_option("--seed", options->seed, "of scene, surfaces and noise (default 1)");
   app.add_option("--count", options->count, "captures, seeds counting up (default 1)")->check(CLI::Range(1, 1000));
   app.add_option("--sequence", options->sequence, "fast, standard, robust or a sequence.json (default standard)");
-  app.add_option("--axes", options->axes, "what a named sequence codes (default column)")->check(CLI::IsMember(kAxes));
+  app.add_option("--axes", options->axes, "what a named sequence codes (default column)")
+      ->check(CLI::IsMember(choices(kSequenceAxesNames)));
   app.add_option("--write-parts", options->write_parts, "write meshes and grasps of the parts")->type_name("DIR");
   add_rig_options(app, *options);
   add_light_options(app, *options);
