@@ -14,6 +14,7 @@ namespace {
 
 constexpr int kDirections = 6000;
 constexpr int kNeighbours = 8;
+constexpr int kTurns = 180;
 
 // Evenly spread directions (Fibonacci's lattice on the sphere).
 std::vector<Vec3> sphere_directions(int count) {
@@ -49,7 +50,8 @@ double height(const std::vector<Vec3>& points, const Vec3& down) {
   return most;
 }
 
-// Downhill to the exact minimum near a direction: rolls about the lowest point, ever smaller steps.
+// Downhill to the exact minimum near a direction, by ever smaller steps. The height has creases (two points on the
+// ground), along which only few directions go down: hence so many of them.
 Vec3 settle_direction(const std::vector<Vec3>& points, Vec3 down) {
   double step = 0.03;
   double best = height(points, down);
@@ -57,8 +59,8 @@ Vec3 settle_direction(const std::vector<Vec3>& points, Vec3 down) {
     bool moved = false;
     const Vec3 u = down.unitOrthogonal();
     const Vec3 v = down.cross(u);
-    for (int i = 0; i < 12; ++i) {
-      const double angle = 2.0 * kPi * i / 12.0;
+    for (int i = 0; i < kTurns; ++i) {
+      const double angle = 2.0 * kPi * i / kTurns;
       const Vec3 candidate = (down + step * (std::cos(angle) * u + std::sin(angle) * v)).normalized();
       const double h = height(points, candidate);
       if (h < best - 1e-12) {
@@ -71,6 +73,19 @@ Vec3 settle_direction(const std::vector<Vec3>& points, Vec3 down) {
     if (!moved) step *= 0.5;
   }
   return down;
+}
+
+// The exact pose: rolls on all vertices near the ground, which the chosen few stand for only roughly.
+Vec3 settle_exactly(const ScenePart& part, const std::vector<Vec3>& points, Vec3 down) {
+  constexpr double kNearMm = 2.0;
+  down = settle_direction(points, down);
+  const double ground = height(points, down);
+  std::vector<Vec3> near;
+  for (const Vec3f& vertex : part.mesh.vertex_mm) {
+    const Vec3 p = vertex.cast<double>() - part.centre_of_mass_mm;
+    if (p.dot(down) > ground - kNearMm) near.push_back(p);
+  }
+  return settle_direction(near, down);
 }
 
 // The nearest directions of each; the lattice is even, so distance alone will do.
@@ -136,10 +151,12 @@ std::vector<RestingPose> resting_poses(const ScenePart& part, double nudge_mm) {
   std::vector<RestingPose> poses;
   for (std::size_t i = 0; i < directions.size(); ++i) {
     if (count[i] == 0) continue;
-    const Vec3 down = settle_direction(points, directions[i]);
+    const Vec3 down = settle_exactly(part, points, directions[i]);
     RestingPose pose;
     pose.R_belt_part = Eigen::Quaterniond::FromTwoVectors(down, -Vec3::UnitZ()).toRotationMatrix();
-    pose.height_mm = height(points, down);
+    for (const Vec3f& vertex : part.mesh.vertex_mm) {
+      pose.height_mm = std::max(pose.height_mm, down.dot(vertex.cast<double>() - part.centre_of_mass_mm));
+    }
     pose.weight = static_cast<double>(count[i]) / kDirections;
     poses.push_back(pose);
   }
