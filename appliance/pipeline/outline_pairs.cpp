@@ -7,21 +7,23 @@
 namespace beltpick::pipeline {
 namespace {
 
-constexpr int kWindow = 2;      // cells to either side that tell which way is out
-constexpr int kRunInside = 3;   // pixels of the object before its end,
-constexpr int kRunOutside = 2;  // and of anything else after it
+constexpr int kWindow = 2;           // cells to either side that tell which way is out
+constexpr double kInsetShare = 0.4;  // of the spacing: how far the outermost of sampled points lies within the edge
+constexpr int kRunInside = 3;        // pixels of the object before its end,
+constexpr int kRunOutside = 2;       // and of anything else after it
 
 enum class Sight : std::uint8_t { kObject, kBehind, kInFront, kNothing };
 
 class OutlineWalk {
  public:
   OutlineWalk(const result::Drawing& drawing, const result::PartPose& T_camera_part, const result::Scene& scene,
-              double reach_mm, double step_mm)
+              double reach_mm, double step_mm, double inset_mm)
       : drawing_(drawing),
         scene_(scene),
         T_part_camera_(T_camera_part.inverse()),
         reach_mm_(static_cast<float>(reach_mm)),
-        step_mm_(static_cast<float>(step_mm)) {}
+        step_mm_(static_cast<float>(step_mm)),
+        inset_mm_(static_cast<float>(inset_mm)) {}
 
   // The pair at a drawn cell, if it is one of the outline and the object's end can be seen there.
   [[nodiscard]] std::optional<icp::OutlinePair> at_cell(int row, int col) const {
@@ -36,7 +38,7 @@ class OutlineWalk {
     const Vec3f outward_camera = (in_image - sight * sight.dot(in_image)).normalized();
     const Eigen::Matrix3f rotation = T_part_camera_.rotation.cast<float>();
     return icp::OutlinePair{(T_part_camera_ * edge.point_mm.cast<double>()).cast<float>(), rotation * outward_camera,
-                            edge.point_mm + *end_px * pitch_mm * outward_camera};
+                            edge.point_mm + (*end_px * pitch_mm - inset_mm_) * outward_camera};
   }
 
  private:
@@ -77,9 +79,16 @@ class OutlineWalk {
     const int row = static_cast<int>(std::lround(edge.row_px + static_cast<float>(px) * out.y()));
     if (!scene_.range.point_mm.contains(row, col) || !scene_.range.valid(row, col)) return Sight::kNothing;
     if (scene_.labels(row, col) == 0) return Sight::kBehind;
-    const float behind = scene_.range.point_mm(row, col).z() - edge.point_mm.z();
+    const float behind = scene_.range.point_mm(row, col).z() - expected_depth(edge, row, col);
     if (behind > step_mm_) return Sight::kBehind;
     return behind < -step_mm_ ? Sight::kInFront : Sight::kObject;
+  }
+
+  // That of the drawing; beyond its outline that of the edge.
+  [[nodiscard]] float expected_depth(const result::Drawing::Shown& edge, int row, int col) const {
+    const int cell_row = (row - drawing_.row_px()) / drawing_.factor();
+    const int cell_col = (col - drawing_.column_px()) / drawing_.factor();
+    return empty(cell_row, cell_col) ? edge.point_mm.z() : drawing_.depth_mm()(cell_row, cell_col);
   }
 
   // How many pixels beyond the drawn edge the object ends, to half a pixel.
@@ -94,9 +103,11 @@ class OutlineWalk {
         continue;
       }
       bool ends = inside >= kRunInside;
-      for (int next = 1; next < kRunOutside && ends; ++next) ends = look(edge, out, px + next) == Sight::kBehind;
-      // Where nothing was measured the object may well go on in a shadow.
-      if (ends && here == Sight::kBehind) return static_cast<float>(px) - 0.5F;
+      for (int next = 1; next < kRunOutside && ends; ++next) {
+        const Sight beyond = look(edge, out, px + next);
+        ends = beyond == Sight::kBehind || beyond == Sight::kNothing;
+      }
+      if (ends) return static_cast<float>(px) - 0.5F;
       if (here == Sight::kBehind) inside = 0;
     }
     return {};
@@ -107,13 +118,15 @@ class OutlineWalk {
   Pose<frame::Part, frame::Camera> T_part_camera_;
   float reach_mm_;
   float step_mm_;
+  float inset_mm_;
 };
 
 }  // namespace
 
 std::size_t pair_outline(const result::Drawing& drawing, const result::PartPose& T_camera_part,
-                         const result::Scene& scene, double reach_mm, double step_mm, std::span<icp::OutlinePair> out) {
-  const OutlineWalk walk(drawing, T_camera_part, scene, reach_mm, step_mm);
+                         const result::Scene& scene, double spacing_mm, double reach_mm, double step_mm,
+                         std::span<icp::OutlinePair> out) {
+  const OutlineWalk walk(drawing, T_camera_part, scene, reach_mm, step_mm, kInsetShare * spacing_mm);
   const auto depth = drawing.depth_mm();
   std::size_t count = 0;
   for (int row = 0; row < depth.rows; ++row) {

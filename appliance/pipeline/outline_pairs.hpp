@@ -10,9 +10,11 @@
 namespace beltpick::pipeline {
 
 // Walks across the drawn outline in the image, up to `reach_mm` to either side, and pairs each place with the last
-// measured pixel of the object. Places where the object is hidden by something in front are left out. Returns how many
-// pairs were written to `out`, at most about one a cell of the outline.
+// measured pixel of the object. `step_mm`: what parts surfaces in depth. `spacing_mm`: of the part's points. Places
+// where the object is hidden by something in front are left out. Returns how many pairs were written to `out`, at most
+// about one a cell of the outline.
 std::size_t pair_outline(const result::Drawing& drawing, const result::PartPose& T_camera_part,
-                         const result::Scene& scene, double reach_mm, double step_mm, std::span<icp::OutlinePair> out);
+                         const result::Scene& scene, double spacing_mm, double reach_mm, double step_mm,
+                         std::span<icp::OutlinePair> out);
 
 }  // namespace beltpick::pipeline

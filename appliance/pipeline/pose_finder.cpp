@@ -187,8 +187,8 @@ void PoseFinder::finish(const Context& context, Candidate& candidate) {
         sample_at_pose(context.scene.range, context.scene.labels, drawing_, radius_mm, kFinalSample, pose_sample_);
     if (count < kLeastSample) return;
     const std::size_t pairs =
-        pair_outline(drawing_, candidate.alignment.T_camera_part, context.scene, 2.0 * radius_mm + 1.0,
-                     result::free_space_tolerance_mm(context.scene, model.spacing_mm), outline_);
+        pair_outline(drawing_, candidate.alignment.T_camera_part, context.scene, model.spacing_mm,
+                     2.0 * radius_mm + 1.0, result::free_space_tolerance_mm(context.scene, model.spacing_mm), outline_);
     const std::array<icp::Stage, 1> stage{icp::Stage{radius_mm, 12, 0.85F}};
     candidate.alignment = icp::align(pose_sample_.first(count), model, candidate.alignment.T_camera_part, stage,
                                      icp::Noise{context.scene.noise_mm}, outline_.first(pairs));
