@@ -1,25 +1,11 @@
 #include <catch2/catch.hpp>
-#include <regex>
 
-#include "support/run_program.hpp"
+#include "cli_help.hpp"
 
 using namespace beltpick::test;
 
-namespace {
-
-// The commands as the top-level help lists them.
-std::vector<std::string> commands() {
-  std::vector<std::string> names;
-  const std::string help = beltpick_run("--help").out;
-  const std::regex line("\n  ([a-z]+) {2,}[a-z]");
-  for (std::sregex_iterator at(help.begin(), help.end(), line), end; at != end; ++at) names.push_back((*at)[1]);
-  return names;
-}
-
-}  // namespace
-
 TEST_CASE("Every command has help with an example of itself, and takes --json", "[help]") {
-  const auto names = commands();
+  const auto names = listed_commands();
   CHECK(names.size() >= 2);
   for (const std::string& name : names) {
     const Outcome outcome = beltpick_run(name + " --help");
@@ -32,7 +18,7 @@ TEST_CASE("Every command has help with an example of itself, and takes --json", 
 }
 
 TEST_CASE("Every command refuses an unknown option in one line", "[help]") {
-  for (const std::string& name : commands()) {
+  for (const std::string& name : listed_commands()) {
     const Outcome outcome = beltpick_run(name + " --no-such-option");
     INFO(name << ": " << outcome.err);
     CHECK(outcome.exit_code == 2);
