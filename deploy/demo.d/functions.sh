@@ -100,29 +100,32 @@ wait_for_file() {
   refuse "the virtual cell did not start within a minute"
 }
 
-# Until the belt is empty; the appliance must not end before.
-wait_for_world() {
-  local world=$1 daemon=$2 log=$3
-  while kill -0 "$world" 2>/dev/null; do
+# Until the belt is empty; neither cell nor appliance must end before.
+wait_for_report() {
+  local report=$1 world=$2 daemon=$3 log=$4
+  until [ -e "$report" ]; do
+    kill -0 "$world" 2>/dev/null || refuse "the virtual cell ended before the belt was empty; see $log"
     if ! kill -0 "$daemon" 2>/dev/null; then
       tail -n 20 "$log" >&2
       refuse "beltpickd ended; see $log"
     fi
     sleep 0.2
   done
-  wait "$world" || say "the virtual cell did not finish the belt; see $log"
 }
 
-# Ends what was started, politely first.
+# Ends what was started: the appliance first, so that it does not miss its devices.
 stop_all() {
   trap - EXIT
-  local processes=(${world:-} ${daemon:-}) process
-  for process in "${processes[@]}"; do kill "$process" 2>/dev/null || true; done
+  stop_process "${daemon:-}"
+  stop_process "${world:-}"
+}
+
+stop_process() {
+  [ -n "$1" ] || return 0
+  kill "$1" 2>/dev/null || return 0
   for _ in $(seq 100); do
-    local alive=false
-    for process in "${processes[@]}"; do kill -0 "$process" 2>/dev/null && alive=true; done
-    $alive || return 0
+    kill -0 "$1" 2>/dev/null || return 0
     sleep 0.1
   done
-  for process in "${processes[@]}"; do kill -9 "$process" 2>/dev/null || true; done
+  kill -9 "$1" 2>/dev/null || true
 }

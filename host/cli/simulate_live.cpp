@@ -2,11 +2,14 @@
 
 #include <atomic>
 #include <charconv>
+#include <chrono>
 #include <csignal>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
+#include <thread>
 
+#include "base/clock.hpp"
 #include "contract/result_codes.hpp"
 #include "contract_io/file_io.hpp"
 #include "contract_io/image_io.hpp"
@@ -95,6 +98,7 @@ void add_live_options(CLI::App& app, LiveOptions& options) {
   app.add_option("--report", options.report, "live: write the report to this file")->type_name("FILE");
   app.add_option("--pictures", options.pictures, "live: folder for a picture of every stop")->type_name("DIR");
   app.add_option("--wait", options.wait_s, "live: seconds to wait for the appliance (default 60)");
+  app.add_option("--linger", options.linger_s, "live: seconds to stay powered after the belt's end, or until SIGTERM");
   app.add_option("--speed", options.speed, "live: of belt and robot, against real ones (default 1)")
       ->check(CLI::Range(0.1, 100.0));
 }
@@ -127,6 +131,11 @@ Result<void> run_live(const LiveOptions& options, LiveCell cell, Session& sessio
     if (auto written = contract_io::write_file(options.report, contract_io::json_text(json)); !written) return written;
   }
   session.answer(json, report_text(report));
+  std::fflush(stdout);
+  const Stopwatch lingering;
+  while (!stop_wanted && lingering.elapsed_ms() < options.linger_s * 1000.0) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  }
   if (report.finished) return {};
   return failure(ResultCode::kServiceUnreachable, "the belt was not finished: %s", report.stopped_by.c_str());
 }

@@ -26,6 +26,7 @@ struct LiveOptions {
   std::string report;
   std::string pictures;
   int wait_s = 60;
+  int linger_s = 0;
   double speed = 1.0;
 };
 

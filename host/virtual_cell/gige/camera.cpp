@@ -78,8 +78,14 @@ void Camera::configure_sensor() {
   settings.active_low = bank_.get(address::kTriggerActivation) == kFallingEdge;
   settings.trigger_width = bank_.get(address::kExposureMode) == kTriggerWidth;
   settings.exposure_us = bank_.get_double(address::kExposureTime);
-  const std::scoped_lock lock(mutex_);
-  sensor_.configure(settings);
+  std::optional<Exposure> dropped;
+  {
+    const std::scoped_lock lock(mutex_);
+    dropped = sensor_.configure(settings);
+  }
+  if (!dropped || !settings_.exposure_ended) return;
+  dropped->end_us = monotonic_us();
+  settings_.exposure_ended(*dropped);
 }
 
 void Camera::stop_acquisition() {

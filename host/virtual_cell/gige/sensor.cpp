@@ -4,12 +4,15 @@
 
 namespace beltpick::virtual_cell::gige {
 
-void Sensor::configure(const SensorSettings& settings) {
+std::optional<Exposure> Sensor::configure(const SensorSettings& settings) {
+  std::optional<Exposure> dropped;
   if (settings.acquiring != settings_.acquiring) {
+    if (current_ && current_->end_us == 0) dropped = current_;
     next_trigger_ = 0;
     current_.reset();
   }
   settings_ = settings;
+  return dropped;
 }
 
 std::optional<Sensor::Event> Sensor::edge(bool rising, std::int64_t time_us) {

@@ -30,8 +30,9 @@ class Sensor {
     Exposure exposure;
   };
 
-  // Starts counting anew; an open exposure is dropped.
-  void configure(const SensorSettings& settings);
+  // Starting or stopping the acquisition counts anew and drops an exposure whose pulse is still on: it is returned, so
+  // that its strobe can end.
+  std::optional<Exposure> configure(const SensorSettings& settings);
 
   // An edge of the trigger line. An active edge while an exposure runs is counted and otherwise ignored, as real
   // sensors do. Times do not decrease.

@@ -94,7 +94,7 @@ bool PlcProgram::run_view() {
   report_.tray += view.left;
   report_.views.push_back(view);
   if (options_.on_view_end) options_.on_view_end(view);
-  close_fault(end != ViewEnd::kStopped);
+  close_fault(end == ViewEnd::kReleased);
   return end != ViewEnd::kStopped;
 }
 
@@ -244,7 +244,7 @@ void PlcProgram::undo_fault() {
   (void)hold_belt(true);
 }
 
-void PlcProgram::close_fault(bool finished) {
+void PlcProgram::close_fault(bool recovered) {
   if (!fault_) return;
   undo_fault();
   if (staged_) {
@@ -255,7 +255,7 @@ void PlcProgram::close_fault(bool finished) {
     };
     fault_->answered =
         entry.expected == ResultCode::kOk ? fault_->codes.empty() : told(entry.expected) || told(entry.or_else);
-    fault_->recovered = finished;
+    fault_->recovered = recovered;
     report_.faults.push_back(*fault_);
   }
   fault_.reset();

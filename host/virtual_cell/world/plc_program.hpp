@@ -44,7 +44,7 @@ class PlcProgram {
   void stage_while_capturing(const ApplianceRegisters& seen);
   bool stage_at_offer(const ApplianceRegisters& seen);
   void undo_fault();
-  void close_fault(bool finished);
+  void close_fault(bool recovered);
 
   std::optional<ApplianceRegisters> look();
   // Four-phase: command, echo, zero, echo cleared. The result code, or nothing when no answer came.

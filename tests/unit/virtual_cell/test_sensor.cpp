@@ -50,11 +50,11 @@ TEST_CASE("nothing is exposed before the acquisition starts, and counting begins
   sensor = armed(true);
   sensor.edge(true, 10);
   SensorSettings stopped;
-  sensor.configure(stopped);
+  CHECK(sensor.configure(stopped));  // the pulse was still on
   SensorSettings again;
   again.acquiring = again.line_triggered = again.trigger_width = true;
   sensor.configure(again);
-  CHECK_FALSE(sensor.edge(false, 20));
+  CHECK_FALSE(sensor.edge(false, 20));  // the end of a pulse before
   const auto begin = sensor.edge(true, 30);
   REQUIRE(begin);
   CHECK(begin->exposure.trigger_number == 0);

@@ -1,0 +1,196 @@
+"""A short run of the whole cell: the real beltpickd beside the virtual cell, with one fault or none.
+
+    run_cell.py setup BIN WORK                    makes calibration, part and template once
+    run_cell.py run BIN WORK --parts N [--fault NAME] [--seed S] [--picked LEAST]
+
+Fails unless the belt was finished, nothing crashed, nothing was unsafe, and the fault was answered by its own result
+code and recovered from.
+"""
+
+import argparse
+import json
+import pathlib
+import shutil
+import signal
+import socket
+import subprocess
+import sys
+import time
+
+# A quarter of the product's pixels: the same job in a fraction of the time.
+RIG = """camera_width = 640
+camera_height = 480
+"""
+RECIPE = {
+    "format": "beltpick-recipe", "version": 1, "number": 1, "name": "knuckles", "sequence": "sequence.json",
+    "exposure_us": 8000, "settle_us": 1000, "period_us": 25000, "templates": ["knuckle.template"],
+}
+CONFIG = """[camera]
+id = "{camera}"
+[trigger]
+tty = "{run}/trigger"
+strobe_tolerance_us = 2000
+[model]
+calibration = "{cell}/calibration.json"
+cell = "{cell}/cell.json"
+recipes = ["{cell}/recipe.json"]
+[plc]
+address = "127.0.0.1"
+port = {port}
+timeout_ms = 1500
+[limits]
+image_width = 640
+image_height = 480
+[record]
+summary = "{run}/summary.json"
+"""
+
+
+def setup(bin_folder, cell):
+    shutil.rmtree(cell, ignore_errors=True)
+    cell.mkdir(parents=True)
+    beltpick = str(bin_folder / "beltpick")
+    (cell / "rig.toml").write_text(RIG)
+    subprocess.run([beltpick, "simulate", "--scene", "bare", "--rig", cell / "rig.toml", "--sequence", "standard",
+                    "--out", cell / "rig", "--write-parts", cell, "--part", "knuckle"], check=True)
+    for name in ("calibration.json", "cell.json", "sequence.json"):
+        shutil.move(cell / "rig" / name, cell / name)
+    subprocess.run([beltpick, "teach", cell / "knuckle.stl", "--grasps", cell / "knuckle.grasps.toml",
+                    "--out", cell / "knuckle.template"], check=True)
+    (cell / "recipe.json").write_text(json.dumps(RECIPE))
+
+
+def free_tcp_port():
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        return probe.getsockname()[1]
+
+
+def free_camera_address():
+    for last in range(1, 250):
+        address = f"127.0.8.{last}"
+        with socket.socket(type=socket.SOCK_DGRAM) as probe:
+            try:
+                probe.bind((address, 3956))
+                return address
+            except OSError:
+                continue
+    sys.exit("no loopback address with a free UDP port 3956")
+
+
+def start(command, log):
+    return subprocess.Popen([str(word) for word in command], stdout=log, stderr=log)
+
+
+def end(process):
+    if process.poll() is None:
+        process.send_signal(signal.SIGTERM)
+    try:
+        return process.wait(timeout=15)
+    except subprocess.TimeoutExpired:
+        process.kill()
+        sys.exit("a process did not end on SIGTERM")
+
+
+def run_cell(bin_folder, cell, options):
+    run = cell.parent / f"run-{options.fault or 'none'}"
+    shutil.rmtree(run, ignore_errors=True)
+    run.mkdir(parents=True)
+    camera, port = free_camera_address(), free_tcp_port()
+    (run / "beltpickd.toml").write_text(CONFIG.format(camera=camera, run=run, cell=cell, port=port))
+    world_command = [bin_folder / "beltpick", "simulate", "--live", "--rig", cell / "rig.toml", "--part", "knuckle",
+                     "--parts", options.parts, "--seed", options.seed, "--sequence", cell / "sequence.json",
+                     "--plc", f"127.0.0.1:{port}", "--camera-address", camera, "--trigger", run / "trigger",
+                     "--report", run / "report.json", "--speed", 5, "--linger", 30]
+    if options.fault:
+        world_command += ["--fault", options.fault]
+    with open(run / "world.log", "w") as world_log, open(run / "beltpickd.log", "w") as daemon_log:
+        world = start(world_command, world_log)
+        try:
+            wait_for(run / "trigger", world)
+            daemon = start([bin_folder / "beltpickd", "--config", run / "beltpickd.toml"], daemon_log)
+            try:
+                wait_for(run / "report.json", world, options.timeout)
+            finally:
+                stopped = end(daemon)
+        finally:
+            end(world)
+    return run, stopped
+
+
+def wait_for(path, process, patience_s=30.0):
+    give_up = time.monotonic() + patience_s
+    while not path.exists() and process.poll() is None and time.monotonic() < give_up:
+        time.sleep(0.05)
+    if not path.exists():
+        print(f"{path.name} did not appear in time")
+
+
+def complaints(report, summary, stopped, options):
+    if not report:
+        return ["the virtual cell wrote no report"]
+    found = []
+    if not report["finished"]:
+        found.append(f"not finished: {report.get('stopped_by')}")
+    if stopped != 0:
+        found.append(f"beltpickd ended with {stopped} on SIGTERM")
+    for count in ("crashes", "unsafe"):
+        if report[count]:
+            found.append(f"{report[count]} {count}")
+    if report["picked"] < options.picked:
+        found.append(f"{report['picked']} picked of {report['parts']}, expected at least {options.picked}")
+    if report["picked"] + report["tray"] != report["parts"]:
+        found.append("parts were lost")
+    if options.fault:
+        found += fault_complaints(report)
+    if not summary:
+        found.append("beltpickd wrote no summary")
+    return found
+
+
+def fault_complaints(report):
+    if len(report["faults"]) != 1:
+        return ["the fault was not staged"]
+    fault = report["faults"][0]
+    found = []
+    if not fault["answered"]:
+        found.append(f"{fault['fault']}: expected {fault['expected']}, told {fault['codes']}")
+    if not fault["recovered"]:
+        found.append(f"{fault['fault']}: not recovered")
+    # The stop after the faulty one: the next cycle works.
+    if len(report["views"]) > 1 and report["views"][1]["picked"] == 0:
+        found.append("nothing was picked at the next stop")
+    return found
+
+
+def read(path):
+    return json.loads(path.read_text()) if path.exists() else {}
+
+
+def main():
+    parser = argparse.ArgumentParser()
+    parser.add_argument("what", choices=["setup", "run"])
+    parser.add_argument("bin", type=pathlib.Path)
+    parser.add_argument("work", type=pathlib.Path)
+    parser.add_argument("--parts", type=int, default=3)
+    parser.add_argument("--seed", type=int, default=3)
+    parser.add_argument("--picked", type=int, default=1)
+    parser.add_argument("--fault", default="")
+    parser.add_argument("--timeout", type=float, default=100)
+    options = parser.parse_args()
+    cell = options.work / "cell"
+    if options.what == "setup":
+        setup(options.bin, cell)
+        return
+    run, stopped = run_cell(options.bin, cell, options)
+    found = complaints(read(run / "report.json"), read(run / "summary.json"), stopped, options)
+    print((run / "world.log").read_text())
+    for complaint in found:
+        print("FAILED:", complaint)
+    if found:
+        print((run / "beltpickd.log").read_text()[-6000:])
+    sys.exit(1 if found else 0)
+
+
+if __name__ == "__main__":
+    main()
