@@ -59,7 +59,10 @@ void Controller::step(std::int64_t now_us) {
     carry_out(action);
   }
   to_.plc.publish(registers(now_us), answer);
-  tell_changes(before, answer ? inputs.command : 0, answer ? answer->code : ResultCode::kOk);
+  const std::uint16_t answered = answer ? inputs.command : std::uint16_t{0};
+  const ResultCode code = answer ? answer->code : ResultCode::kOk;
+  keep_books(before, answered, code);
+  tell_changes(before, answered, code);
 }
 
 cycle::CycleInputs Controller::gather(std::int64_t now_us, const plc::PlcView& plc) {
@@ -126,6 +129,21 @@ void Controller::make_offer(const Action& action) {
   const Vec3& at = T_offer_part.translation_mm;
   to_.log.write(LogLevel::kInfo, "offer %u: part %u at (%.1f, %.1f, %.1f) mm, score %.2f, %d left in this view",
                 action.number, offer_.part_number, at.x(), at.y(), at.z(), part.score, cycle_.status().parts_left);
+}
+
+void Controller::keep_books(const cycle::CycleStatus& before, std::uint16_t answered_command, ResultCode answer) {
+  const cycle::CycleStatus& after = cycle_.status();
+  if (after.cycle != before.cycle) to_.book.add_cycle();
+  if (after.offer_sequence != before.offer_sequence) to_.book.add_offer();
+  if (answer == ResultCode::kOk && answered_command == static_cast<std::uint16_t>(PlcCommand::kPickDone)) {
+    to_.book.add_answer(true);
+  }
+  if (answer == ResultCode::kOk && answered_command == static_cast<std::uint16_t>(PlcCommand::kPickFailed)) {
+    to_.book.add_answer(false);
+  }
+  if (after.state == before.state) return;
+  if (after.state == CellState::kFault) to_.book.add_fault(after.fault_code);
+  if (after.state == CellState::kBeltReleased) to_.book.add_release();
 }
 
 void Controller::tell_changes(const cycle::CycleStatus& before, std::uint16_t answered_command, ResultCode answer) {

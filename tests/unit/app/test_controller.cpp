@@ -16,8 +16,9 @@ struct Bench {
   StandInModels models;
   plc::PlcExchange exchange{plc::WordOrder::kHighFirst};
   Log log;
+  RunBook book;
   cycle::CycleConfig config;
-  Controller controller{config, 2'000'000, {vision, lines, models, exchange, log}};
+  Controller controller{config, 2'000'000, {vision, lines, models, exchange, log, book}};
   std::array<std::uint16_t, kHoldingRegisters> holding{};
   std::array<std::uint16_t, kInputRegisters> inputs{};
   std::int64_t now_us = 5'000'000;

@@ -1,0 +1,244 @@
+#include "app/appliance.hpp"
+
+#include <pthread.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <csignal>
+#include <cstdio>
+#include <ctime>
+
+#include "base/clock.hpp"
+
+namespace beltpick::app {
+
+namespace {
+
+constexpr int kCycleStep_ms = 2;
+constexpr int kPlcStep_ms = 10;
+constexpr int kServiceStep_ms = 20;
+constexpr int kSupervise_ms = 50;
+constexpr int kStop_ms = 1200;  // what the vision thread has to end in; the whole stop takes less than 2 s
+constexpr int kThreadLimit_ms = 2000;
+constexpr int kExitHung = 3;
+
+// The microcontroller's interlock inputs.
+class TriggerLines : public DigitalLines {
+ public:
+  explicit TriggerLines(const capture::TriggerLink& trigger) : trigger_(trigger) {}
+  LineLevels read() override {
+    const capture::TriggerInputs inputs = trigger_.inputs();
+    return {inputs.known, inputs.belt_stopped, inputs.emergency_stop};
+  }
+
+ private:
+  const capture::TriggerLink& trigger_;
+};
+
+cycle::CycleConfig cycle_config(const Settings& settings) {
+  cycle::CycleConfig config;
+  config.rest = {settings.settle_ms * 1000LL, settings.signals_agree_ms * 1000LL};
+  config.processing_timeout_us = settings.processing_timeout_ms * 1000LL;
+  config.max_age_us = settings.max_age_ms * 1000LL;
+  config.max_failed_picks = settings.max_failed_picks;
+  // From the clock: an answer to an offer of before a restart will hardly fit one of after it.
+  config.first_offer_sequence = static_cast<std::uint16_t>(1 + std::time(nullptr) % 0xFFFF);
+  return config;
+}
+
+capture::CameraConfig camera_config(const Settings& settings) {
+  capture::CameraConfig config;
+  config.id = settings.camera_id;
+  config.width = settings.limits.image_width;
+  config.height = settings.limits.image_height;
+  config.buffers = settings.camera_buffers;
+  config.packet_socket = settings.packet_socket;
+  return config;
+}
+
+capture::TriggerConfig trigger_config(const Settings& settings) {
+  capture::TriggerConfig config;
+  config.tty = settings.trigger_tty;
+  return config;
+}
+
+void name_thread(std::thread& thread, const char* name) { pthread_setname_np(thread.native_handle(), name); }
+
+sigset_t handled_signals() {
+  sigset_t signals;
+  sigemptyset(&signals);
+  for (const int number : {SIGTERM, SIGINT, SIGHUP}) sigaddset(&signals, number);
+  return signals;
+}
+
+}  // namespace
+
+Stages::Stages(Arena& arena, const Settings& settings, Log& log, RunBook& book)
+    : hub(arena, settings, log),
+      camera(camera_config(settings), arena),
+      trigger(trigger_config(settings)),
+      recorder(arena, settings, log),
+      work(arena, settings, {camera, trigger, hub, recorder, book}) {
+  hub.on_load([this](const Geometry& geometry, const LoadedRecipe& recipe) { return work.adopt(geometry, recipe); });
+}
+
+// The threads of a running appliance; made in run(), ended in the reverse order.
+struct Appliance::Threads {
+  Threads(Appliance& of, std::unique_ptr<plc::ModbusServer> modbus_server, plc::PlcExchange& plc_exchange)
+      : exchange(plc_exchange),
+        server(std::move(modbus_server)),
+        lines(of.stages_->trigger),
+        vision(of.stages_->work, of.log_,
+               watchdog.add("vision", of.settings_.processing_timeout_ms + 10'000, monotonic_us())),
+        controller(cycle_config(of.settings_), of.settings_.plc_timeout_ms * 1000LL,
+                   {vision, lines, of.stages_->hub, exchange, of.log_, *of.book_}) {}
+
+  template <class Step>
+  std::thread loop(const char* name, Step step) {
+    Watchdog::Beat& beat = watchdog.add(name, kThreadLimit_ms, monotonic_us());
+    std::thread thread([this, &beat, step] {
+      while (!stop) {
+        beat(monotonic_us());
+        step();
+      }
+    });
+    name_thread(thread, name);
+    return thread;
+  }
+
+  plc::PlcExchange& exchange;
+  std::unique_ptr<plc::ModbusServer> server;
+  Watchdog watchdog;
+  TriggerLines lines;
+  VisionThread vision;
+  Controller controller;
+  std::atomic<bool> stop{false};
+  std::thread cycle, plc, service;
+};
+
+std::size_t Appliance::measure(const Settings& settings, Log& log) {
+  Arena arena;
+  RunBook book;
+  const Stages stages(arena, settings, log, book);
+  return arena.used_bytes();
+}
+
+Appliance::Appliance(const Settings& settings, Log& log)
+    : settings_(settings),
+      log_(log),
+      book_(std::make_unique<RunBook>()),
+      block_(measure(settings, log)),
+      arena_(block_.data(), block_.bytes()),
+      stages_(std::make_unique<Stages>(arena_, settings, log, *book_)) {}
+
+std::string Appliance::budget_text() const {
+  std::string text = "memory, from the declared limits:\n";
+  char line[96];
+  for (const Arena::Share& share : arena_.shares()) {
+    std::snprintf(line, sizeof line, "  %-28s %9.2f MB\n", share.name, static_cast<double>(share.bytes) / 1e6);
+    text += line;
+  }
+  std::snprintf(line, sizeof line, "  %-28s %9.2f MB\n", "total", static_cast<double>(arena_.used_bytes()) / 1e6);
+  return text + line;
+}
+
+void Appliance::lock_memory() {
+  if (block_.lock()) {
+    log_.write(LogLevel::kInfo, "%.1f MB taken and locked", static_cast<double>(block_.bytes()) / 1e6);
+  } else {
+    log_.write(LogLevel::kWarning, "%.1f MB taken but not locked: raise the memlock limit (ulimit -l, LimitMEMLOCK=)",
+               static_cast<double>(block_.bytes()) / 1e6);
+  }
+}
+
+Result<int> Appliance::run() {
+  // Threads inherit the mask: signals reach the supervisor only.
+  const sigset_t signals = handled_signals();
+  pthread_sigmask(SIG_BLOCK, &signals, nullptr);
+  plc::PlcExchange exchange(settings_.float_order == "low-first" ? plc::WordOrder::kLowFirst
+                                                                 : plc::WordOrder::kHighFirst);
+  auto server = plc::ModbusServer::open({.address = settings_.plc_address,
+                                         .port = static_cast<std::uint16_t>(settings_.plc_port),
+                                         .max_clients = settings_.plc_max_clients},
+                                        exchange);
+  if (!server) return std::unexpected(server.error());
+  log_.write(LogLevel::kInfo, "PLC: Modbus TCP on %s port %u", settings_.plc_address.c_str(), (*server)->port());
+
+  const auto threads = std::make_unique<Threads>(*this, std::move(*server), exchange);
+  stages_->camera.start();
+  stages_->trigger.start();
+  threads->plc = threads->loop("plc", [&server = *threads->server] { server.poll(kPlcStep_ms); });
+  threads->cycle = threads->loop("cycle", [&controller = threads->controller] {
+    controller.step(monotonic_us());
+    std::this_thread::sleep_for(std::chrono::milliseconds(kCycleStep_ms));
+  });
+  threads->service = std::thread([this, &threads = *threads] {
+    while (!threads.stop) {
+      stages_->hub.serve(threads.vision.idle());
+      stages_->recorder.serve(stages_->hub, arena_.shares());
+      std::this_thread::sleep_for(std::chrono::milliseconds(kServiceStep_ms));
+    }
+  });
+  name_thread(threads->service, "service");
+  const int exit_code = supervise(*threads);
+  stop(*threads);
+  return exit_code;
+}
+
+int Appliance::supervise(Threads& threads) {
+  const ServiceNotify notify;
+  notify.tell("READY=1");
+  const sigset_t signals = handled_signals();
+  std::int64_t told_us = 0;
+  for (;;) {
+    log_.drain(STDERR_FILENO);
+    const std::int64_t now_us = monotonic_us();
+    if (const char* hung = threads.watchdog.hung(now_us)) {
+      log_.write(LogLevel::kFault, "the %s thread hangs: ending, so that the belt's permission falls", hung);
+      log_.drain(STDERR_FILENO);
+      std::_Exit(kExitHung);  // nothing can be joined; the service manager starts us anew
+    }
+    if (notify.watchdog_us() > 0 && now_us - told_us > notify.watchdog_us()) {
+      notify.tell("WATCHDOG=1");
+      told_us = now_us;
+    }
+    const timespec patience{0, kSupervise_ms * 1'000'000};
+    const int signal = sigtimedwait(&signals, nullptr, &patience);
+    if (signal == SIGHUP) {
+      log_.write(LogLevel::kInfo, "told to read the model files anew");
+      stages_->hub.reload();
+    } else if (signal > 0) {
+      log_.write(LogLevel::kInfo, "stopping on signal %d", signal);
+      notify.tell("STOPPING=1");
+      return 0;
+    }
+  }
+}
+
+// First the cell is made safe: no offer, no permission; then the threads end.
+void Appliance::stop(Threads& threads) {
+  threads.vision.ask_to_stop();
+  threads.stop = true;
+  threads.cycle.join();
+  threads.exchange.publish({});
+  threads.plc.join();
+  threads.server.reset();
+  if (!threads.vision.wait_stopped(kStop_ms)) {
+    log_.write(LogLevel::kWarning, "locating was cut off");
+    write_summary_file();
+    log_.drain(STDERR_FILENO);
+    std::_Exit(0);  // it cannot be interrupted, and nothing of it is needed any more
+  }
+  threads.service.join();
+  write_summary_file();
+  log_.write(LogLevel::kInfo, "stopped");
+  log_.drain(STDERR_FILENO);
+}
+
+void Appliance::write_summary_file() const {
+  if (settings_.summary.empty()) return;
+  const auto written = write_summary(from_settings(settings_, settings_.summary), *book_, arena_.shares());
+  if (!written) log_.write(LogLevel::kWarning, "no summary: %s", written.error().detail);
+}
+
+}  // namespace beltpick::app

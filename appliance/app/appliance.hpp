@@ -1,0 +1,65 @@
+// Appliance: everything wired together: memory, devices, threads; from start to a clean stop.
+#pragma once
+
+#include <atomic>
+#include <memory>
+#include <thread>
+
+#include "app/capture_and_locate.hpp"
+#include "app/controller.hpp"
+#include "app/log.hpp"
+#include "app/model_hub.hpp"
+#include "app/recorder.hpp"
+#include "app/run_book.hpp"
+#include "app/service_notify.hpp"
+#include "app/settings.hpp"
+#include "app/vision_thread.hpp"
+#include "app/watchdog.hpp"
+#include "plc/modbus_server.hpp"
+
+namespace beltpick::app {
+
+// All that takes memory from the arena, in the order in which it does. Made twice: to measure, and for real.
+struct Stages {
+  Stages(Arena& arena, const Settings& settings, Log& log, RunBook& book);
+
+  ModelHub hub;
+  capture::Camera camera;
+  capture::TriggerLink trigger;
+  Recorder recorder;
+  CaptureAndLocate work;
+};
+
+class Appliance {
+ public:
+  // Takes all memory there will be. Throws std::bad_alloc where there is not so much.
+  Appliance(const Settings& settings, Log& log);
+
+  // What each part of the appliance took, as a table of lines for a person.
+  [[nodiscard]] std::string budget_text() const;
+  // Locks the memory; warns where the system does not allow it.
+  void lock_memory();
+  // Reads calibration, cell, recipes and templates. The appliance runs without them, but refuses to start a cycle.
+  Result<void> load() { return stages_->hub.load(); }
+
+  // Opens the PLC's port and runs until SIGTERM or SIGINT; SIGHUP reads the model files anew. Returns the process's
+  // exit code: 0 after a clean stop, 3 after a thread has hung. Error: the port cannot be had.
+  Result<int> run();
+
+ private:
+  struct Threads;
+
+  static std::size_t measure(const Settings& settings, Log& log);
+  int supervise(Threads& threads);
+  void stop(Threads& threads);
+  void write_summary_file() const;
+
+  const Settings& settings_;
+  Log& log_;
+  std::unique_ptr<RunBook> book_;
+  ArenaBlock block_;
+  Arena arena_;
+  std::unique_ptr<Stages> stages_;
+};
+
+}  // namespace beltpick::app

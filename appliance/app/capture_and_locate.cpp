@@ -1,0 +1,97 @@
+#include "app/capture_and_locate.hpp"
+
+#include <string_view>
+
+#include "base/clock.hpp"
+#include "contract/result_codes.hpp"
+
+namespace beltpick::app {
+
+// Folds each frame as it arrives and shows it to the recorder. The first failure voids the capture.
+class CaptureAndLocate::FoldFrames : public capture::FrameSink {
+ public:
+  FoldFrames(pipeline::Measure& measure, Recorder& recorder) : measure_(measure), recorder_(recorder) {}
+
+  void take(int frame, ImageView<const std::uint8_t> image) override {
+    recorder_.keep_frame(frame, image);
+    if (!outcome_) return;
+    outcome_ = measure_.fold(frame, image);
+  }
+  [[nodiscard]] const Result<void>& outcome() const { return outcome_; }
+
+ private:
+  pipeline::Measure& measure_;
+  Recorder& recorder_;
+  Result<void> outcome_;
+};
+
+CaptureAndLocate::CaptureAndLocate(Arena& arena, const Settings& settings, const Neighbours& neighbours)
+    : settings_(settings),
+      to_(neighbours),
+      run_(neighbours.camera, neighbours.trigger, settings.limits.frames, arena),
+      measure_(arena, settings.limits),
+      segmenter_(arena, settings.limits),
+      locator_(arena, settings.limits, settings.pose_workers) {}
+
+Result<void> CaptureAndLocate::adopt(const Geometry& geometry, const LoadedRecipe& recipe) {
+  return measure_.configure(recipe.sequence, geometry.calibration);
+}
+
+ResultCode CaptureAndLocate::device_code() const {
+  if (!to_.trigger.connected()) return ResultCode::kTriggerLost;
+  if (to_.camera.state() == capture::CameraState::kReady) return ResultCode::kOk;
+  const ResultCode code = to_.camera.last_error().code;
+  return code == ResultCode::kOk ? ResultCode::kCameraNotFound : code;
+}
+
+Result<void> CaptureAndLocate::capture(std::uint16_t number, const std::atomic<ResultCode>& cancel) {
+  to_.recorder.begin();
+  const Stopwatch watch;
+  FoldFrames sink(measure_, to_.recorder);
+  const auto outcome = [&]() -> Result<void> {
+    if (const auto begun = measure_.begin(); !begun) return begun;
+    const auto report = run_.run(to_.hub.recipe().plan, sink, cancel);
+    if (!report) return std::unexpected(report.error());
+    last_frame_us_ = report->last_frame_us;
+    return sink.outcome();
+  }();
+  to_.book.add_capture(!outcome);
+  if (outcome) {
+    to_.book.add_time(Step::kCapture, watch.elapsed_ms());
+  } else {
+    to_.recorder.keep_failure(number, outcome.error().code);
+  }
+  return outcome;
+}
+
+Result<Located> CaptureAndLocate::locate(std::uint16_t number) {
+  const auto range = measure_.finish();
+  if (!range) {
+    to_.recorder.keep_failure(number, range.error().code);
+    return std::unexpected(range.error());
+  }
+  const Stopwatch segment_watch;
+  const segment::Segmented objects = segmenter_.segment(*range);
+  const double segment_ms = segment_watch.elapsed_ms();
+
+  const Stopwatch locate_watch;
+  const pipeline::LocateInput input{
+      *range, objects.labels, objects.segments, objects.belt, to_.hub.geometry().calibration.camera, number};
+  const pipeline::LocateOutput found = locator_.locate(input, to_.hub.models(), settings_.gripper);
+  const double locate_ms = locate_watch.elapsed_ms();
+
+  const pipeline::MeasureTiming& timing = measure_.timing();
+  to_.book.add_time(Step::kFold, timing.fold_ms);
+  to_.book.add_time(Step::kDecode, timing.decode_ms);
+  to_.book.add_time(Step::kRange, timing.range_ms);
+  to_.book.add_time(Step::kSegment, segment_ms);
+  to_.book.add_time(Step::kLocate, locate_ms);
+  for (const double object_ms : found.object_ms) to_.book.add_time(Step::kLocatePart, object_ms);
+  to_.book.add_time(Step::kLastFrameToPoses, static_cast<double>(monotonic_us() - last_frame_us_) / 1000.0);
+  to_.book.set_view(static_cast<int>(found.parts.size()), found.withheld);
+  to_.recorder.keep_result({number, *range, objects.labels, found.parts, found.withheld, timing.decode_ms,
+                            timing.range_ms, segment_ms, locate_ms});
+  return Located{found.parts, found.withheld};
+}
+
+}  // namespace beltpick::app

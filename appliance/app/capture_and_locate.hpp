@@ -1,0 +1,53 @@
+// CaptureAndLocate: the vision thread's work with the real camera, trigger and pipeline.
+#pragma once
+
+#include "app/log.hpp"
+#include "app/model_hub.hpp"
+#include "app/recorder.hpp"
+#include "app/run_book.hpp"
+#include "app/settings.hpp"
+#include "app/vision_work.hpp"
+#include "capture/camera.hpp"
+#include "capture/capture_run.hpp"
+#include "capture/trigger_link.hpp"
+#include "pipeline/locate.hpp"
+#include "pipeline/measure.hpp"
+#include "segment/segmenter.hpp"
+
+namespace beltpick::app {
+
+class CaptureAndLocate : public VisionWork {
+ public:
+  struct Neighbours {
+    capture::Camera& camera;
+    capture::TriggerLink& trigger;
+    const ModelHub& hub;
+    Recorder& recorder;
+    RunBook& book;
+  };
+
+  CaptureAndLocate(Arena& arena, const Settings& settings, const Neighbours& neighbours);
+
+  // Makes the pipeline ready for a recipe; between cycles only, allocates.
+  Result<void> adopt(const Geometry& geometry, const LoadedRecipe& recipe);
+
+  Result<void> capture(std::uint16_t number, const std::atomic<ResultCode>& cancel) override;
+  Result<Located> locate(std::uint16_t number) override;
+  [[nodiscard]] bool idle() const override { return to_.recorder.idle(); }
+  [[nodiscard]] ResultCode device_code() const override;
+
+ private:
+  class FoldFrames;
+
+  [[nodiscard]] Result<void> check_camera() const;
+
+  const Settings& settings_;
+  Neighbours to_;
+  capture::CaptureRun run_;
+  pipeline::Measure measure_;
+  segment::Segmenter segmenter_;
+  pipeline::Locator locator_;
+  std::int64_t last_frame_us_ = 0;
+};
+
+}  // namespace beltpick::app

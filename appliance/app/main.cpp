@@ -1,0 +1,105 @@
+// beltpickd: the appliance.
+#include <cstdio>
+#include <cstring>
+#include <exception>
+#include <optional>
+#include <string>
+
+#include "app/appliance.hpp"
+#include "contract/result_codes.hpp"
+
+namespace {
+
+using namespace beltpick;
+
+constexpr const char* kHelp =
+    "beltpickd: locates parts on a conveyor belt and offers their poses to a PLC\n"
+    "\n"
+    "  beltpickd --config FILE            run until SIGTERM; SIGHUP reads the model files anew\n"
+    "  beltpickd --config FILE --check    judge configuration and files, print the memory budget, exit\n"
+    "  beltpickd --print-config           print the default configuration with every key's meaning\n"
+    "  beltpickd --help\n"
+    "\n"
+    "Example: beltpickd --print-config > beltpickd.toml; edit it; beltpickd --config beltpickd.toml --check\n"
+    "\n"
+    "The log goes to stderr. Exit codes: 0 clean stop, 1 cannot start, 2 wrong command line, 3 a thread hung.\n";
+
+struct Options {
+  std::string config;
+  bool check = false;
+  bool print_config = false;
+  bool help = false;
+};
+
+std::optional<Options> parse(int argc, char** argv) {
+  Options options;
+  for (int i = 1; i < argc; ++i) {
+    const std::string argument = argv[i];
+    if (argument == "--config" && i + 1 < argc) {
+      options.config = argv[++i];
+    } else if (argument.starts_with("--config=")) {
+      options.config = argument.substr(std::strlen("--config="));
+    } else if (argument == "--check") {
+      options.check = true;
+    } else if (argument == "--print-config") {
+      options.print_config = true;
+    } else if (argument == "--help" || argument == "-h") {
+      options.help = true;
+    } else {
+      std::fprintf(stderr, "beltpickd: '%s': expected --config FILE, --check, --print-config or --help; see --help\n",
+                   argument.c_str());
+      return std::nullopt;
+    }
+  }
+  if (options.help || options.print_config || !options.config.empty()) return options;
+  std::fprintf(stderr, "beltpickd: expected --config FILE, found none; see --help\n");
+  return std::nullopt;
+}
+
+int fail(const Error& error) {
+  std::fprintf(stderr, "beltpickd: %s: %s\n", result_code_name(error.code).data(), error.detail);
+  return 1;
+}
+
+int serve(const Options& options, app::Log& log) {
+  std::vector<std::string> warnings;
+  const auto settings = app::read_settings(options.config, warnings);
+  if (!settings) return fail(settings.error());
+  for (const std::string& warning : warnings) log.write(app::LogLevel::kWarning, "%s", warning.c_str());
+
+  app::Appliance appliance(*settings, log);
+  std::fputs(appliance.budget_text().c_str(), options.check ? stdout : stderr);
+  if (!options.check) appliance.lock_memory();
+  const auto loaded = appliance.load();
+  log.drain(2);
+  if (options.check) {
+    if (!loaded) return fail(loaded.error());
+    std::puts("the configuration and all files are good");
+    return 0;
+  }
+  const auto ended = appliance.run();
+  return ended ? *ended : fail(ended.error());
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const auto options = parse(argc, argv);
+  if (!options) return 2;
+  if (options->help) {
+    std::fputs(kHelp, stdout);
+    return 0;
+  }
+  if (options->print_config) {
+    std::fputs(app::default_settings_text().c_str(), stdout);
+    return 0;
+  }
+  app::Log log;
+  try {
+    return serve(*options, log);
+  } catch (const std::exception& problem) {
+    log.drain(2);
+    std::fprintf(stderr, "beltpickd: cannot start: %s\n", problem.what());
+    return 1;
+  }
+}
