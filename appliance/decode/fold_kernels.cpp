@@ -8,8 +8,8 @@
 namespace beltpick::decode {
 namespace {
 
-// Bits closer to their threshold than this many standard deviations are weak: one in 30,000 of the others is wrong.
-constexpr float kWeakSigmas = 4.0F;
+// Bits closer to their threshold than this many standard deviations are weak: of bits just beyond, one in 700 is wrong.
+constexpr float kWeakSigmas = 3.0F;
 
 #define BELTPICK_INLINE [[gnu::always_inline]] inline
 
