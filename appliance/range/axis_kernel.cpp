@@ -34,14 +34,12 @@ AxisModel axis_model(const Calibration& calibration, Axis axis) {
 }
 
 BELTPICK_KERNEL
-void depth_row(const AxisModel& model, const float* ray_u, const float* ray_v, const float* code_px, int count,
-               const AxisDepthRow& out) {
+void depth_row(const AxisModel& model, const float* __restrict ray_u, const float* __restrict ray_v,
+               const float* __restrict code_px, int count, float* __restrict depth_mm, float* __restrict mm_per_px,
+               float* __restrict other_px) {
   const AxisModel m = model;
   constexpr int kSteps = 4;  // from the undistorted guess; each squares the error
   constexpr float kConvergedPx = 0.005F;
-  float* depth_mm = out.depth_mm;
-  float* mm_per_px = out.mm_per_px;
-  float* other_px = out.other_px;
   for (int i = 0; i < count; ++i) {
     const float u = ray_u[i];
     const float v = ray_v[i];
@@ -58,6 +56,7 @@ void depth_row(const AxisModel& model, const float* ray_u, const float* ray_v, c
     float o = 0.0F;
     float radial = 1.0F;
     float r2 = 0.0F;
+#pragma GCC unroll 4  // before vectorisation, which takes no inner loops
     for (int step = 0; step < kSteps; ++step) {
       o = offset + slope * s;
       r2 = s * s + o * o;

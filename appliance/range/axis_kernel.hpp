@@ -20,16 +20,13 @@ struct AxisModel {
 
 AxisModel axis_model(const Calibration& calibration, Axis axis);
 
-struct AxisDepthRow {
-  float* depth_mm;   // camera z; 0 where there is none
-  float* mm_per_px;  // |d z / d code|
-  float* other_px;   // the projector coordinate along the other axis that follows
-};
-
 // For rays (u, v, 1) in the camera frame and codes of the axis. A camera ray is a straight line in the projector's
 // ideal coordinates: o = offset + slope s. Newton's method finds the s on it whose distorted image is the code; then
-// z = (t_s - s t_z) / (s q_z - q_s), q the rotated ray. Holds at any working distance. NaN codes give depth 0.
+// z = (t_s - s t_z) / (s q_z - q_s), q the rotated ray. Holds at any working distance.
+//   depth_mm   camera z; 0 where there is none (NaN codes, points behind a lens)
+//   mm_per_px  |d z / d code|
+//   other_px   the projector coordinate along the other axis that follows
 void depth_row(const AxisModel& model, const float* ray_u, const float* ray_v, const float* code_px, int count,
-               const AxisDepthRow& out);
+               float* depth_mm, float* mm_per_px, float* other_px);
 
 }  // namespace beltpick::range

@@ -68,7 +68,7 @@ void Triangulator::measure_axis(Axis axis, ImageView<float> code_px, int row) {
   }
   const std::size_t at = static_cast<std::size_t>(row) * static_cast<std::size_t>(cols_);
   depth_row(models_[static_cast<std::size_t>(axis)], &ray_u_[at], &ray_v_[at], code_px.row(row), cols_,
-            {scratch.depth_mm.data(), scratch.mm_per_px.data(), scratch.other_px.data()});
+            scratch.depth_mm.data(), scratch.mm_per_px.data(), scratch.other_px.data());
 }
 
 void Triangulator::combine_row(const CodeImage& code, int row) {
@@ -123,7 +123,7 @@ Result<RangeImage> Triangulator::measure(const CodeImage& code) {
     combine_row(code, row);
   }
   const RangeImage range{{point_mm_.data(), rows_, cols_}, {sigma_mm_.data(), rows_, cols_}, code.texture};
-  counts_.flying = edges_.apply(range, focal_px_);
+  counts_.flying = edges_.apply(range, code.modulation, focal_px_);
   counts_.points = static_cast<int>(std::count_if(range.point_mm.data, range.point_mm.data + range.point_mm.size(),
                                                   [](const Vec3f& point) { return point.z() > 0.0F; }));
   return range;
