@@ -21,8 +21,8 @@ void set_distortion(RichLens& lens, double strength, double sign) {
             sign * 0.003 * strength / r2,  0.002 * strength / (r2 * r2), 0.001 * strength / (r2 * r2 * r2)};
   lens.p1 = sign * 2e-4 * strength / r;
   lens.p2 = -1.5e-4 * strength / r;
-  lens.s = {1.0e-4 * strength / r, -0.7e-4 * strength / (r2 * r), -0.8e-4 * strength / r,
-            sign * 0.6e-4 * strength / (r2 * r)};
+  lens.s = {3.0e-4 * strength / r, -2.6e-4 * strength / (r2 * r), -2.4e-4 * strength / r,
+            sign * 2.2e-4 * strength / (r2 * r)};
 }
 
 RichLens make_camera(const RigOptions& options) {

@@ -1,10 +1,12 @@
 // Gauss-Newton on the nine parameters of one lens; the model is smooth and nearly linear in them.
 #include "virtual_cell/render/rig_calibration.hpp"
 
-#include <cmath>
-#include <vector>
-
 #include <Eigen/Cholesky>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <cstdio>
+#include <vector>
 
 namespace beltpick::virtual_cell {
 namespace {
@@ -86,6 +88,24 @@ std::vector<Vec3> working_volume(const Rig& rig) {
   return points;
 }
 
+// The same for the same optics, another for others: a cell file must not fit another rig (FNV-1a over the numbers).
+std::string identity_of(const Calibration& calibration) {
+  std::uint64_t hash = 14695981039346656037ULL;
+  const auto add = [&hash](double number) {
+    for (auto bits = std::bit_cast<std::uint64_t>(number); bits != 0; bits >>= 8U) {
+      hash = (hash ^ (bits & 0xffU)) * 1099511628211ULL;
+    }
+  };
+  for (const Lens* lens : {&calibration.camera, &calibration.projector}) {
+    for (const double number : {lens->fx_px, lens->fy_px, lens->cx_px, lens->cy_px}) add(number);
+    for (const double number : lens->distortion) add(number);
+  }
+  for (const double number : calibration.T_projector_camera.matrix().reshaped()) add(number);
+  char text[32];
+  std::snprintf(text, sizeof text, "virtual-%08x", static_cast<unsigned>(hash >> 32U));
+  return text;
+}
+
 }  // namespace
 
 RigCalibration calibrate_rig(const Rig& rig) {
@@ -101,13 +121,12 @@ RigCalibration calibrate_rig(const Rig& rig) {
   RigCalibration result;
   result.camera_rms_px = camera_fit.rms_px;
   result.projector_rms_px = projector_fit.rms_px;
-  result.calibration.id = "virtual-" + std::to_string(rig.camera.width) + "x" + std::to_string(rig.camera.height) +
-                          "-" + std::to_string(rig.projector.width) + "x" + std::to_string(rig.projector.height);
   result.calibration.camera_serial = "VC-CAMERA-1";
   result.calibration.projector_serial = "VC-PROJECTOR-1";
   result.calibration.camera = camera_fit.lens;
   result.calibration.projector = projector_fit.lens;
   result.calibration.T_projector_camera = rig.T_projector_camera;
+  result.calibration.id = identity_of(result.calibration);
   return result;
 }
 
