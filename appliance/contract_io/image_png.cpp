@@ -23,6 +23,7 @@ struct PngReading {
   char message[96]{};
   png_uint_32 width = 0, height = 0;
   int bits = 0, channels = 0;
+  int file_colour_type = 0;  // before palettes are looked up
   std::size_t row_bytes = 0;
 
   PngReading() = default;
@@ -65,6 +66,7 @@ bool read_header(PngReading& reading) {
   png_read_info(reading.png, reading.info);
   reading.width = png_get_image_width(reading.png, reading.info);
   reading.height = png_get_image_height(reading.png, reading.info);
+  reading.file_colour_type = png_get_color_type(reading.png, reading.info);
   set_transformations(reading);
   reading.bits = png_get_bit_depth(reading.png, reading.info);
   reading.channels = png_get_channels(reading.png, reading.info);
@@ -94,10 +96,9 @@ void reduce(const PngReading& reading, const std::vector<std::uint8_t>& raw, std
   }
 }
 
-// A palette of greys alone is a grey image.
+// A palette of greys alone is a grey image; RGB is colour even where its channels are equal.
 bool has_colour(const PngReading& reading, const std::vector<std::uint8_t>& raw) {
-  if (reading.channels != 3) return false;
-  if (png_get_color_type(reading.png, reading.info) == PNG_COLOR_TYPE_RGB && reading.bits != 8) return true;
+  if (reading.file_colour_type != PNG_COLOR_TYPE_PALETTE) return reading.channels == 3;
   for (std::size_t i = 0; i + 2 < raw.size(); i += 3) {
     if (raw[i] != raw[i + 1] || raw[i] != raw[i + 2]) return true;
   }
