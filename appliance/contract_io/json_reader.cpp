@@ -31,6 +31,16 @@ bool inside(double value, const Between& between) {
          (between.above_low ? value > between.low : value >= between.low);
 }
 
+// A scalar, or an array of scalars or of arrays of them: what can be printed without following any depth of nesting.
+bool is_table(const nlohmann::json& value) {
+  const auto flat = [](const nlohmann::json& row) {
+    return std::none_of(row.begin(), row.end(), [](const auto& item) { return item.is_structured(); });
+  };
+  return !value.is_array() || std::all_of(value.begin(), value.end(), [&](const nlohmann::json& row) {
+    return !row.is_structured() || (row.is_array() && flat(row));
+  });
+}
+
 std::string position_text(std::string_view text, std::size_t byte) {
   const std::string_view before = text.substr(0, std::min(byte, text.size()));
   const auto line = std::count(before.begin(), before.end(), '\n') + 1;
@@ -41,6 +51,7 @@ std::string position_text(std::string_view text, std::size_t byte) {
 
 std::string describe(const nlohmann::json& value) {
   if (value.is_object()) return "an object";
+  if (!is_table(value)) return "an array of " + std::to_string(value.size());
   std::string text = value.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
   if (text.size() > kShown) text = text.substr(0, kShown) + "...";
   return text;

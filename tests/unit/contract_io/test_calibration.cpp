@@ -86,6 +86,15 @@ TEST_CASE("What no calibration can be is refused, by member", "[calibration]") {
   refused(with(kCalibrationJson, "/camera/matrix/0/0", nullptr), ResultCode::kFormatInvalid, "camera.matrix");
 }
 
+TEST_CASE("Nesting of any depth is refused, not followed", "[calibration]") {
+  const std::string deep = std::string(300'000, '[') + std::string(300'000, ']');
+  refused(deep, ResultCode::kFormatInvalid, "an array of 1");
+  refused("{\"format\": " + deep + "}", ResultCode::kValueOutOfRange, "format");
+  refused(std::string(300'000, '['), ResultCode::kFormatInvalid, "cut off");
+  const std::string objects = std::string("{\"format\": ") + "{\"a\": [" + deep + "]}}";
+  refused(objects, ResultCode::kValueOutOfRange, "found an object");
+}
+
 TEST_CASE("Every required member is missed by name", "[calibration]") {
   for (const char* member : {"camera", "projector", "projector_from_camera"}) {
     nlohmann::json json = nlohmann::json::parse(kCalibrationJson);
