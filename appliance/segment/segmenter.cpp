@@ -1,0 +1,107 @@
+#include "segment/segmenter.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace beltpick::segment {
+
+namespace {
+
+// An object rises above what carries it by more than that surface's own spread, and by more than two pixels see.
+constexpr double kSpreads = 2.4;
+constexpr double kPitches = 2.0;
+// Fewer pixels than this are no object.
+constexpr int kMinPixels = 100;
+
+}  // namespace
+
+Segmenter::Segmenter(Arena& arena, const Limits& limits, CreaseCut creases)
+    : plane_finder_(arena),
+      components_(arena, limits.image_width * limits.image_height),
+      cavities_(arena),
+      roster_(arena, limits.segments) {
+  const auto pixels = static_cast<std::size_t>(limits.image_width) * static_cast<std::size_t>(limits.image_height);
+  mask_ = arena.take<std::uint8_t>("segment: mask", pixels);
+  opened_ = arena.take<std::uint8_t>("segment: mask", pixels);
+  height_mm_ = arena.take<float>("segment: height", pixels);
+  labels_ = arena.take<std::uint16_t>("segment: labels", pixels);
+  if (creases == CreaseCut::kAvailable) creases_.emplace(arena, limits.image_width * limits.image_height);
+}
+
+void Segmenter::mark_objects(const RangeImage& range, const Scale& scale, const std::optional<SupportPlane>& support) {
+  for (std::size_t p = 0; p < range.point_mm.size(); ++p) {
+    const Vec3f& point = range.point_mm.data[p];
+    const double z_mm = static_cast<double>(point.z());
+    mask_[p] = 0;
+    height_mm_[p] = 0.0F;
+    if (z_mm <= 0.0) continue;
+    const bool poor = scale.poor_sigma_mm > 0.0 && static_cast<double>(range.sigma_mm.data[p]) > scale.poor_sigma_mm;
+    if (!support) {
+      height_mm_[p] = -point.z();
+      mask_[p] = poor ? 0 : 1;
+      continue;
+    }
+    height_mm_[p] = static_cast<float>(support->plane.height_mm(point.cast<double>()));
+    const double least_mm = std::max(kSpreads * support->spread_mm, kPitches * scale.pitch_mm(z_mm));
+    mask_[p] = static_cast<double>(height_mm_[p]) > least_mm && !poor ? 1 : 0;
+  }
+}
+
+// Erosion and dilation by a cross: links one pixel wide fall away.
+void Segmenter::open_mask(int rows, int cols) {
+  const auto cross = [cols, rows](std::span<const std::uint8_t> from, std::span<std::uint8_t> to, auto combine) {
+    for (int row = 0; row < rows; ++row) {
+      for (int col = 0; col < cols; ++col) {
+        const int p = row * cols + col;
+        int value = from[p];
+        if (row > 0) value = combine(value, int{from[p - cols]});
+        if (row + 1 < rows) value = combine(value, int{from[p + cols]});
+        if (col > 0) value = combine(value, int{from[p - 1]});
+        if (col + 1 < cols) value = combine(value, int{from[p + 1]});
+        to[p] = static_cast<std::uint8_t>(value);
+      }
+    }
+  };
+  cross(mask_, opened_, [](int a, int b) { return std::min(a, b); });
+  cross(opened_, mask_, [](int a, int b) { return std::max(a, b); });
+}
+
+// Poorly measured pixels may not link objects, but belong to the one they lie on.
+void Segmenter::return_poor_pixels(const RangeImage& range, const Scale& scale) {
+  if (scale.poor_sigma_mm <= 0.0) return;
+  const int cols = range.point_mm.cols;
+  const auto labels = components_.labels();
+  for (int row = 0; row < range.point_mm.rows; ++row) {
+    for (int col = 1; col < cols; ++col) {
+      const int here = row * cols + col;
+      const bool poor = static_cast<double>(range.sigma_mm.data[here]) > scale.poor_sigma_mm;
+      if (labels[here] != 0 || !poor || !range.valid(row, col) || labels[here - 1] == 0) continue;
+      if (linked(range.point_mm(row, col - 1), range.point_mm(row, col), scale)) labels[here] = labels[here - 1];
+    }
+  }
+}
+
+Segmented Segmenter::segment(const RangeImage& range, const SegmentOptions& options) {
+  const int rows = range.point_mm.rows;
+  const int cols = range.point_mm.cols;
+  Segmented result;
+  result.labels = {labels_.data(), rows, cols};
+  std::fill(labels_.begin(), labels_.begin() + static_cast<std::ptrdiff_t>(range.point_mm.size()), std::uint16_t{0});
+  const Scale scale = measure_scale(range);
+  if (scale.pitch_rad <= 0.0) return result;
+  const std::optional<SupportPlane> support =
+      options.belt ? plane_finder_.measure(range, scale, *options.belt) : plane_finder_.find(range, scale);
+  if (support) result.belt = support->plane;
+  mark_objects(range, scale, support);
+  open_mask(rows, cols);
+  const int count = components_.find(range, mask_, scale, kMinPixels);
+  if (result.belt) cavities_.join(range, height_mm_, result.belt->normal, scale, components_, count);
+  if (options.cut_creases && creases_) creases_->cut(range, scale, components_, count, mask_, kMinPixels);
+  return_poor_pixels(range, scale);
+  const int objects = roster_.list(range, components_.labels().first(range.point_mm.size()), height_mm_, labels_);
+  result.segments = roster_.segments();
+  result.left_out = objects - static_cast<int>(result.segments.size());
+  return result;
+}
+
+}  // namespace beltpick::segment
