@@ -121,7 +121,7 @@ RigCalibration calibrate_rig(const Rig& rig) {
   RigCalibration result;
   result.camera_rms_px = camera_fit.rms_px;
   result.projector_rms_px = projector_fit.rms_px;
-  result.calibration.camera_serial = "VC-CAMERA-1";
+  result.calibration.camera_serial = "BP0001";
   result.calibration.projector_serial = "VC-PROJECTOR-1";
   result.calibration.camera = camera_fit.lens;
   result.calibration.projector = projector_fit.lens;
