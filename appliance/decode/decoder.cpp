@@ -32,13 +32,19 @@ void write_axis(const AxisRow& axis, int cols, bool first, float* x_px, float* m
 }  // namespace
 
 DecoderLimits limits_for(const FoldPlan& plan, int rows, int cols, int pixel_bytes) {
-  return {rows, cols, plan.state_bytes(pixel_bytes), plan.codes(Axis::kColumn), plan.codes(Axis::kRow)};
+  return {rows,
+          cols,
+          plan.state_bytes(pixel_bytes),
+          plan.codes(Axis::kColumn),
+          plan.codes(Axis::kRow),
+          static_cast<int>(plan.frames.size())};
 }
 
 Decoder::Decoder(Arena& arena, const DecoderLimits& limits) : limits_(limits) {
   const std::size_t pixels = pixel_count(limits);
   context_.store = PlaneStore(arena.take<std::byte>("decode state", PlaneStore::bytes_for(pixels, limits.state_bytes)));
   scratch_ = RowScratch(arena, limits.cols);
+  check_ = FrameCheck(arena, limits.rows, limits.cols, limits.frames);
   if (limits.codes_columns) column_px_ = arena.take<float>("code image", pixels);
   if (limits.codes_rows) row_px_ = arena.take<float>("code image", pixels);
   modulation_ = arena.take<float>("code image", pixels);
@@ -55,6 +61,10 @@ Result<void> Decoder::begin(const FoldPlan& plan, int rows, int cols, int pixel_
     return failure(ResultCode::kLimitExceeded, "the sequence needs %d bytes a pixel to decode; declared are %d",
                    plan.state_bytes(pixel_bytes), limits_.state_bytes);
   }
+  if (static_cast<int>(plan.frames.size()) > check_.max_frames()) {
+    return failure(ResultCode::kLimitExceeded, "the sequence has %zu frames; declared are %d", plan.frames.size(),
+                   check_.max_frames());
+  }
   if ((plan.codes(Axis::kColumn) && !limits_.codes_columns) || (plan.codes(Axis::kRow) && !limits_.codes_rows)) {
     return failure(ResultCode::kLimitExceeded, "the sequence codes an axis that the declared limits leave out");
   }
@@ -64,6 +74,7 @@ Result<void> Decoder::begin(const FoldPlan& plan, int rows, int cols, int pixel_
   rows_ = rows;
   pixel_bytes_ = pixel_bytes;
   next_frame_ = 0;
+  check_.begin(rows, cols);
   return {};
 }
 
@@ -79,6 +90,7 @@ Result<void> Decoder::fold_any(int index, ImageView<const Pixel> image) {
   }
   const FrameWork& work = context_.plan->frames[static_cast<std::size_t>(index)];
   for (int row = 0; row < rows_; ++row) fold_row(context_, work, image.row(row), row);
+  check_.sample(index, image);
   ++next_frame_;
   return {};
 }
@@ -127,6 +139,7 @@ Result<CodeImage> Decoder::finish() {
   if (next_frame_ != frames) {
     return failure(ResultCode::kFrameMissing, "the capture ended after %d of %d frames", next_frame_, frames);
   }
+  if (auto judged = check_.judge(*context_.plan, context_.full_scale); !judged) return std::unexpected(judged.error());
   for (int row = 0; row < rows_; ++row) {
     std::uint8_t* texture = &texture_[static_cast<std::size_t>(row) * static_cast<std::size_t>(context_.cols)];
     if (pixel_bytes_ == 1) {

@@ -9,6 +9,7 @@
 #include "base/image.hpp"
 #include "base/result.hpp"
 #include "base/stages.hpp"
+#include "decode/frame_check.hpp"
 #include "decode/plan.hpp"
 #include "decode/row_decoder.hpp"
 
@@ -21,6 +22,7 @@ struct DecoderLimits {
   int state_bytes = 16;       // a pixel; see FoldPlan::state_bytes
   bool codes_columns = true;  // the axes that sequences may code
   bool codes_rows = false;
+  int frames = 32;  // of one sequence
 };
 
 // The limits that just hold `plan` for a camera of this size.
@@ -39,7 +41,8 @@ class Decoder {
   Result<void> fold(int index, ImageView<const std::uint8_t> image);
   Result<void> fold(int index, ImageView<const std::uint16_t> image);
 
-  // The views stay good until the next begin(). Error: kFrameMissing.
+  // The views stay good until the next begin(). Errors: kFrameMissing; kFrameBlack, kFrameDuplicated or
+  // kSequenceOrderWrong where the images contradict the sequence (see FrameCheck).
   Result<CodeImage> finish();
 
  private:
@@ -52,6 +55,7 @@ class Decoder {
   DecoderLimits limits_;
   RowContext context_;
   RowScratch scratch_;
+  FrameCheck check_;
   std::span<float> column_px_, row_px_, modulation_;
   std::span<std::uint8_t> texture_;
   std::span<PixelState> state_;

@@ -12,7 +12,8 @@ decode::DecoderLimits decoder_limits(const Limits& limits) {
           .cols = limits.image_width,
           .state_bytes = limits.decode_bytes,
           .codes_columns = true,
-          .codes_rows = limits.code_rows};
+          .codes_rows = limits.code_rows,
+          .frames = limits.frames};
 }
 
 Measure::Measure(Arena& arena, const decode::DecoderLimits& limits)

@@ -1,0 +1,95 @@
+#include "decode/frame_check.hpp"
+
+#include <algorithm>
+
+#include "base/camera_noise.hpp"
+#include "contract/result_codes.hpp"
+
+namespace beltpick::decode {
+namespace {
+
+constexpr float kLitSigmas = 12.0F;     // contrast over noise of a probe that may testify
+constexpr int kLeastLit = 300;          // probes; fewer prove nothing
+constexpr float kNothingLevel8 = 4.0F;  // a camera that sees any light at all exceeds this
+
+void find_extremes(ProbeLevels& levels) {
+  const auto count = static_cast<std::size_t>(levels.probes->count());
+  std::fill_n(levels.low8.begin(), count, 1e9F);
+  std::fill_n(levels.high8.begin(), count, 0.0F);
+  for (int f = 0; f < levels.frames(); ++f) {
+    if (!levels.of_exposure(f)) continue;
+    for (std::size_t i = 0; i < count; ++i) {
+      const float level8 = levels.level8(f, static_cast<int>(i));
+      levels.low8[i] = std::min(levels.low8[i], level8);
+      levels.high8[i] = std::max(levels.high8[i], level8);
+    }
+  }
+  levels.lit_count = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    const float contrast = levels.high8[i] - levels.low8[i];
+    const float variance = kCameraNoise.variance(0.5F * (levels.high8[i] + levels.low8[i]));
+    levels.lit[i] = contrast * contrast > kLitSigmas * kLitSigmas * variance ? 1 : 0;
+    levels.lit_count += levels.lit[i];
+  }
+}
+
+bool all_of_exposure(const ProbeLevels& levels, const GrayCode& code) {
+  return std::all_of(code.bits.begin(), code.bits.end(), [&](const GrayBit& bit) {
+    return (bit.frame == kNone || levels.of_exposure(bit.frame)) &&
+           (bit.twin_frame == kNone || levels.of_exposure(bit.twin_frame));
+  });
+}
+
+}  // namespace
+
+FrameCheck::FrameCheck(Arena& arena, int rows, int cols, int frames) : probes_(arena, rows, cols, frames) {
+  const auto count = static_cast<std::size_t>(FrameProbes::kRowLines * cols + FrameProbes::kColumnLines * rows);
+  low8_ = arena.take<float>("frame probes", count);
+  high8_ = arena.take<float>("frame probes", count);
+  lit_ = arena.take<std::uint8_t>("frame probes", count);
+  steps_ = arena.take<WordStep>("frame probes", kMaxSteps);
+}
+
+FrameProbes::FrameProbes(Arena& arena, int rows, int cols, int frames)
+    : capacity_(static_cast<std::size_t>(kRowLines * cols + kColumnLines * rows)),
+      max_frames_(frames),
+      levels_(arena.take<std::uint16_t>("frame probes", capacity_ * static_cast<std::size_t>(frames))) {}
+
+Result<void> FrameCheck::judge(const FoldPlan& plan, int full_scale) {
+  for (std::size_t e = 0; e < plan.exposures.size(); ++e) {
+    if (auto judged = judge_exposure(plan, e, full_scale); !judged) return judged;
+  }
+  return {};
+}
+
+Result<void> FrameCheck::judge_exposure(const FoldPlan& plan, std::size_t exposure, int full_scale) {
+  ProbeLevels levels{.plan = &plan,
+                     .probes = &probes_,
+                     .to_level8 = 255.0F / static_cast<float>(full_scale),
+                     .full_scale = full_scale,
+                     .exposure_us = plan.exposures[exposure].exposure_us,
+                     .low8 = low8_,
+                     .high8 = high8_,
+                     .lit = lit_};
+  find_extremes(levels);
+  if (*std::max_element(high8_.begin(), high8_.begin() + probes_.count()) < kNothingLevel8) {
+    return failure(ResultCode::kFrameBlack, "every frame is black; check the projector and the lens cap");
+  }
+  if (levels.lit_count < kLeastLit) return {};
+  if (auto checked = check_levels(levels); !checked) return checked;
+  for (const Axis axis : {Axis::kColumn, Axis::kRow}) {
+    const AxisPlan& planned = plan.exposures[exposure].axes[static_cast<std::size_t>(axis)];
+    for (const int channel : planned.channels) {
+      if (auto checked = check_fringe(levels, channel); !checked) return checked;
+    }
+    if (planned.gray == kNone) continue;
+    const GrayCode& code = plan.grays[static_cast<std::size_t>(planned.gray)];
+    if (!all_of_exposure(levels, code)) continue;
+    if (auto checked = check_gray(levels, axis, code, steps_); !checked) return checked;
+    if (planned.method != Method::kGrayPhase) continue;
+    if (auto checked = check_agreement(levels, axis, code, planned.channels.front()); !checked) return checked;
+  }
+  return {};
+}
+
+}  // namespace beltpick::decode

@@ -1,0 +1,83 @@
+// FrameCheck: sees from a few lines of each frame whether a frame is black, shows the pattern of the one before, or
+// stands where another belongs. Speaks up only where it is certain: a lit scene must contradict the sequence plainly.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+
+#include "base/arena.hpp"
+#include "base/result.hpp"
+#include "decode/frame_probes.hpp"
+#include "decode/plan.hpp"
+
+namespace beltpick::decode {
+
+// The probes of one exposure, in levels scaled to 0..255.
+struct ProbeLevels {
+  const FoldPlan* plan = nullptr;
+  const FrameProbes* probes = nullptr;
+  float to_level8 = 1.0F;
+  int full_scale = 255;
+  double exposure_us = 0.0;
+  std::span<float> low8, high8;  // extremes of each probe over the frames of this exposure
+  std::span<std::uint8_t> lit;   // 1 where the contrast stands well out of the noise
+  int lit_count = 0;
+
+  [[nodiscard]] float level8(int frame, int i) const {
+    return to_level8 * static_cast<float>(probes->levels(frame)[static_cast<std::size_t>(i)]);
+  }
+  [[nodiscard]] const FrameSpec& spec(int frame) const {
+    return plan->sequence.frames[static_cast<std::size_t>(frame)];
+  }
+  [[nodiscard]] bool of_exposure(int frame) const { return spec(frame).exposure_us == exposure_us; }
+  [[nodiscard]] int frames() const { return static_cast<int>(plan->frames.size()); }
+};
+
+// Black and doubled frames, white and black exchanged. Errors: kFrameBlack, kFrameDuplicated, kSequenceOrderWrong.
+Result<void> check_levels(const ProbeLevels& levels);
+// The frames of one period form one fringe. Error: kSequenceOrderWrong.
+Result<void> check_fringe(const ProbeLevels& levels, int channel);
+
+// Where along a line of probes a Gray word changes by one bit.
+struct WordStep {
+  std::uint16_t before = 0, after = 0;
+};
+// The words of neighbours differ as those of neighbouring cells do. Error: kSequenceOrderWrong, naming two frames that
+// look exchanged or one that looks inverted, where that explains it.
+Result<void> check_gray(const ProbeLevels& levels, Axis axis, const GrayCode& code, std::span<WordStep> steps);
+// Phase and Gray code tell of the same places. Errors: kSequenceOrderWrong, kFrameBlack.
+Result<void> check_agreement(const ProbeLevels& levels, Axis axis, const GrayCode& code, int channel);
+
+// The Gray word at probe i; false where a bit lies near its threshold.
+bool gray_word(const ProbeLevels& levels, const GrayCode& code, int i, std::uint16_t& word);
+// Share of the lit probes at which a frame is dark (within 15 % of the contrast).
+float dark_share(const ProbeLevels& levels, int frame);
+
+class FrameCheck {
+ public:
+  FrameCheck() = default;
+  FrameCheck(Arena& arena, int rows, int cols, int frames);
+
+  void begin(int rows, int cols) { probes_.begin(rows, cols); }
+  [[nodiscard]] int max_frames() const { return probes_.frames(); }
+
+  template <class Pixel>
+  void sample(int index, ImageView<const Pixel> image) {
+    probes_.sample(index, image);
+  }
+
+  // Errors: kFrameBlack, kFrameDuplicated, kSequenceOrderWrong, each naming the frame's file.
+  Result<void> judge(const FoldPlan& plan, int full_scale);
+
+ private:
+  Result<void> judge_exposure(const FoldPlan& plan, std::size_t exposure, int full_scale);
+
+  static constexpr std::size_t kMaxSteps = 2048;
+  FrameProbes probes_;
+  std::span<float> low8_, high8_;
+  std::span<std::uint8_t> lit_;
+  std::span<WordStep> steps_;
+};
+
+}  // namespace beltpick::decode

@@ -1,0 +1,63 @@
+// FrameProbes: a few lines of every frame of a capture, kept to judge afterwards whether the frames are what the
+// sequence says. Internal to decode.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+
+#include "base/arena.hpp"
+#include "base/image.hpp"
+
+namespace beltpick::decode {
+
+class FrameProbes {
+ public:
+  static constexpr int kRowLines = 6;
+  static constexpr int kColumnLines = 3;
+
+  FrameProbes() = default;
+  FrameProbes(Arena& arena, int rows, int cols, int frames);
+
+  void begin(int rows, int cols) {
+    rows_ = rows;
+    cols_ = cols;
+  }
+
+  // Keeps the lines of frame `index`.
+  void sample(int index, ImageView<const std::uint8_t> image) { sample_any(index, image); }
+  void sample(int index, ImageView<const std::uint16_t> image) { sample_any(index, image); }
+
+  [[nodiscard]] int frames() const { return max_frames_; }
+  [[nodiscard]] int count() const { return kRowLines * cols_ + kColumnLines * rows_; }
+  // The levels of frame `index`, line after line.
+  [[nodiscard]] std::span<const std::uint16_t> levels(int index) const {
+    return levels_.subspan(static_cast<std::size_t>(index) * capacity_, static_cast<std::size_t>(count()));
+  }
+  // True where probe `i` and probe i + 1 are neighbours in the image.
+  [[nodiscard]] bool joined(int i) const {
+    const int in_rows = kRowLines * cols_;
+    return i < in_rows ? (i + 1) % cols_ != 0 : (i - in_rows + 1) % rows_ != 0;
+  }
+
+ private:
+  template <class Pixel>
+  void sample_any(int index, ImageView<const Pixel> image) {
+    std::uint16_t* out = &levels_[static_cast<std::size_t>(index) * capacity_];
+    for (int line = 0; line < kRowLines; ++line) {
+      const Pixel* row = image.row((2 * line + 1) * rows_ / (2 * kRowLines));
+      for (int c = 0; c < cols_; ++c) *out++ = row[c];
+    }
+    for (int line = 0; line < kColumnLines; ++line) {
+      const int c = (2 * line + 1) * cols_ / (2 * kColumnLines);
+      for (int r = 0; r < rows_; ++r) *out++ = image.row(r)[c];
+    }
+  }
+
+  std::size_t capacity_ = 0;  // probes of one frame
+  int max_frames_ = 0;
+  std::span<std::uint16_t> levels_;
+  int rows_ = 0, cols_ = 0;
+};
+
+}  // namespace beltpick::decode

@@ -1,0 +1,269 @@
+// Frames that stand where others belong.
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+
+#include "base/camera_noise.hpp"
+#include "base/units.hpp"
+#include "contract/result_codes.hpp"
+#include "decode/frame_check.hpp"
+
+namespace beltpick::decode {
+namespace {
+
+constexpr int kLeastWitnesses = 200;
+constexpr float kStrongShare = 0.25F;  // of the contrast: how far from its threshold a bit is beyond doubt
+constexpr int kReach = 6;              // probes between two words that are still of one surface
+
+int binary_from_gray(unsigned gray) {
+  unsigned binary = gray;
+  for (unsigned shift = 1; shift < 16; shift *= 2) binary ^= binary >> shift;
+  return static_cast<int>(binary);
+}
+
+const char* frame_of(const ProbeLevels& levels, const GrayBit& bit) {
+  return levels.spec(bit.frame != kNone ? bit.frame : bit.twin_frame).file.c_str();
+}
+
+// The steps of one bit; none where so many change more that the image is too coarse for its stripes.
+std::size_t collect_steps(const ProbeLevels& levels, const GrayCode& code, std::span<WordStep> steps) {
+  constexpr std::size_t kCoarse = 10;  // one in so many
+  std::size_t count = 0;
+  std::size_t jumps = 0;
+  int last_at = -kReach - 1;
+  std::uint16_t last = 0;
+  for (int i = 0; i < levels.probes->count() && count < steps.size(); ++i) {
+    std::uint16_t word = 0;
+    if (gray_word(levels, code, i, word)) {
+      const unsigned changed = last ^ word;
+      const bool near = i - last_at <= kReach;
+      if (near && (changed & (changed - 1)) != 0) ++jumps;
+      if (near && changed != 0 && (changed & (changed - 1)) == 0) steps[count++] = {last, word};
+      last = word;
+      last_at = i;
+    }
+    if (!levels.probes->joined(i)) last_at = -kReach - 1;
+  }
+  return jumps * kCoarse > count ? 0 : count;
+}
+
+// Of the steps at which `bit` changes (any where kNone): how many, and how many lead to the next cell.
+struct StepCount {
+  int all = 0, legal = 0;
+
+  [[nodiscard]] double legal_share() const { return all == 0 ? 1.0 : legal / static_cast<double>(all); }
+};
+
+// `remap` is applied to both words first.
+template <class Remap>
+StepCount count_steps(std::span<const WordStep> steps, int bit, Remap remap) {
+  StepCount count;
+  for (const WordStep& step : steps) {
+    const unsigned before = remap(step.before);
+    const unsigned after = remap(step.after);
+    if (bit != kNone && (before ^ after) != 1U << static_cast<unsigned>(bit)) continue;
+    ++count.all;
+    count.legal += std::abs(binary_from_gray(before) - binary_from_gray(after)) == 1 ? 1 : 0;
+  }
+  return count;
+}
+
+unsigned exchanged(unsigned word, unsigned a, unsigned b) {
+  const unsigned differ = ((word >> a) ^ (word >> b)) & 1U;
+  return word ^ (differ << a) ^ (differ << b);
+}
+
+// The Gray frame without twin that is dark all over; kNone without one.
+int dark_frame(const ProbeLevels& levels, const GrayCode& code) {
+  constexpr float kAllDark = 0.98F;
+  for (const GrayBit& bit : code.bits) {
+    if (bit.frame != kNone && bit.twin_frame != kNone) continue;
+    const int frame = bit.frame != kNone ? bit.frame : bit.twin_frame;
+    if (dark_share(levels, frame) >= kAllDark) return frame;
+  }
+  return kNone;
+}
+
+std::unexpected<Error> black_frame(const ProbeLevels& levels, int frame) {
+  return failure(ResultCode::kFrameBlack, "%s is black, and so the code of the scene contradicts itself",
+                 levels.spec(frame).file.c_str());
+}
+
+// What would make the steps legal: two bits exchanged, or (a == b) one inverted.
+struct Remedy {
+  unsigned a = 0, b = 0;
+  double legal_share = 0.0;
+};
+
+Remedy find_remedy(std::span<const WordStep> steps, unsigned bits) {
+  Remedy best;
+  for (unsigned a = 0; a < bits; ++a) {
+    for (unsigned b = a; b < bits; ++b) {
+      const auto mended = [&](unsigned word) { return a == b ? word ^ (1U << a) : exchanged(word, a, b); };
+      const double share = count_steps(steps, kNone, mended).legal_share();
+      if (share > best.legal_share) best = {a, b, share};
+    }
+  }
+  return best;
+}
+
+std::unexpected<Error> explain(const ProbeLevels& levels, Axis axis, const GrayCode& code,
+                               std::span<const WordStep> steps) {
+  constexpr double kExplained = 0.9;
+  if (const int dark = dark_frame(levels, code); dark != kNone) return black_frame(levels, dark);
+  const char* along = axis == Axis::kColumn ? "column" : "row";
+  const Remedy remedy = find_remedy(steps, static_cast<unsigned>(code.bits.size()));
+  if (remedy.legal_share >= kExplained && remedy.a == remedy.b) {
+    return failure(ResultCode::kSequenceOrderWrong, "the Gray frame %s (%s axis) looks inverted",
+                   frame_of(levels, code.bits[remedy.a]), along);
+  }
+  if (remedy.legal_share >= kExplained) {
+    return failure(ResultCode::kSequenceOrderWrong, "the Gray frames %s and %s (%s axis) look exchanged",
+                   frame_of(levels, code.bits[remedy.b]), frame_of(levels, code.bits[remedy.a]), along);
+  }
+  return failure(ResultCode::kSequenceOrderWrong,
+                 "the Gray frames of the %s axis do not fit their declared order: only %.0f %% of the steps between "
+                 "neighbours lead to the next cell; check the frame list, and whether a frame is missing or doubled",
+                 along, 100.0 * count_steps(steps, kNone, [](unsigned word) { return word; }).legal_share());
+}
+
+// Phase of `channel` at probe i, in turns; false where the fringe is too weak.
+bool phase_at(const ProbeLevels& levels, int channel, int i, float& turn) {
+  float cosine = 0.0F;
+  float sine = 0.0F;
+  for (int f = 0; f < levels.frames(); ++f) {
+    const Accumulate& work = levels.plan->frames[static_cast<std::size_t>(f)].accumulate;
+    if (work.channel != channel) continue;
+    cosine += work.cosine_weight * levels.level8(f, i);
+    sine += work.sine_weight * levels.level8(f, i);
+  }
+  turn = std::atan2(sine, cosine) / static_cast<float>(2.0 * kPi);
+  const auto at = static_cast<std::size_t>(i);
+  return std::hypot(sine, cosine) > 0.1F * (levels.high8[at] - levels.low8[at]);
+}
+
+}  // namespace
+
+bool gray_word(const ProbeLevels& levels, const GrayCode& code, int i, std::uint16_t& word) {
+  const auto at = static_cast<std::size_t>(i);
+  if (levels.lit[at] == 0) return false;
+  const float contrast = levels.high8[at] - levels.low8[at];
+  const float middle = 0.5F * (levels.high8[at] + levels.low8[at]);
+  word = 0;
+  for (std::size_t b = 0; b < code.bits.size(); ++b) {
+    const GrayBit& bit = code.bits[b];
+    float margin = 0.0F;
+    if (bit.frame != kNone && bit.twin_frame != kNone) {
+      margin = 0.5F * (levels.level8(bit.frame, i) - levels.level8(bit.twin_frame, i));
+    } else {
+      margin = bit.frame != kNone ? levels.level8(bit.frame, i) - middle : middle - levels.level8(bit.twin_frame, i);
+    }
+    if (std::fabs(margin) < kStrongShare * contrast) return false;
+    if (margin > 0.0F) word = static_cast<std::uint16_t>(word | (1U << b));
+  }
+  return true;
+}
+
+Result<void> check_fringe(const ProbeLevels& levels, int channel) {
+  const PhaseChannel& fringes = levels.plan->channels[static_cast<std::size_t>(channel)];
+  if (fringes.frames < 4 || fringes.exposure_us != levels.exposure_us) return {};  // three frames always fit
+  double left = 0.0;
+  double total = 0.0;
+  int witnesses = 0;
+  for (int i = 0; i < levels.probes->count(); ++i) {
+    const auto at = static_cast<std::size_t>(i);
+    if (levels.lit[at] == 0 || levels.high8[at] >= 254.0F) continue;
+    double sum = 0.0;
+    double squares = 0.0;
+    double cosine = 0.0;
+    double sine = 0.0;
+    double along_cosine = 0.0;
+    double along_sine = 0.0;
+    for (int f = 0; f < levels.frames(); ++f) {
+      const Accumulate& work = levels.plan->frames[static_cast<std::size_t>(f)].accumulate;
+      if (work.channel != channel) continue;
+      const FrameSpec& spec = levels.spec(f);
+      const double shift = spec.offset_rad + 2.0 * kPi * spec.step / spec.steps;
+      const double level8 = levels.level8(f, i);
+      sum += level8;
+      squares += level8 * level8;
+      cosine += work.cosine_weight * level8;
+      sine += work.sine_weight * level8;
+      along_cosine += std::cos(shift) * level8;
+      along_sine -= std::sin(shift) * level8;
+    }
+    // Equal shifts: what the fringe explains of the variance is its amplitude times the frames along it.
+    const double variance = squares - sum * sum / fringes.frames;
+    const double noise =
+        static_cast<double>(kCameraNoise.variance(static_cast<float>(sum / fringes.frames))) * fringes.frames;
+    if (variance < 25.0 * noise) continue;
+    ++witnesses;
+    total += variance;
+    left += std::max(0.0, variance - cosine * along_cosine - sine * along_sine);
+  }
+  constexpr double kMostLeft = 0.3;  // ripple of the projector's gamma leaves some percent
+  if (witnesses < kLeastWitnesses || left < kMostLeft * total) return {};
+  return failure(ResultCode::kSequenceOrderWrong,
+                 "the %d phase frames of period %g px do not form one fringe in their declared order (%.0f %% of their "
+                 "variation is left over); check their steps, and whether a frame is missing or doubled",
+                 fringes.frames, fringes.period_px, 100.0 * left / total);
+}
+
+Result<void> check_gray(const ProbeLevels& levels, Axis axis, const GrayCode& code, std::span<WordStep> steps) {
+  constexpr int kLeastSteps = 40;
+  constexpr double kLeastLegal = 0.7;
+  constexpr int kLeastBitSteps = 8;
+  constexpr double kLeastBitLegal = 0.3;
+  const auto same = [](unsigned word) { return word; };
+  const std::span<const WordStep> found = steps.first(collect_steps(levels, code, steps));
+  const StepCount all = count_steps(found, kNone, same);
+  if (all.all >= kLeastSteps && all.legal_share() < kLeastLegal) return explain(levels, axis, code, found);
+  for (int bit = 0; bit < static_cast<int>(code.bits.size()); ++bit) {
+    const StepCount count = count_steps(found, bit, same);
+    if (count.all >= kLeastBitSteps && count.legal_share() < kLeastBitLegal) {
+      return explain(levels, axis, code, found);
+    }
+  }
+  return {};
+}
+
+Result<void> check_agreement(const ProbeLevels& levels, Axis axis, const GrayCode& code, int channel) {
+  constexpr double kMostContrary = 0.08;  // sound captures have below one percent
+  const PhaseChannel& fringes = levels.plan->channels[static_cast<std::size_t>(channel)];
+  const auto period_px = static_cast<float>(fringes.period_px);
+  const auto cell_px = static_cast<float>(code.cell_px);
+  if (cell_px > 0.75F * period_px || fringes.exposure_us != levels.exposure_us) return {};
+  int witnesses = 0;
+  int contrary = 0;
+  double offsets_px = 0.0;
+  for (int i = 0; i < levels.probes->count(); ++i) {
+    std::uint16_t word = 0;
+    float turn = 0.0F;
+    if (!gray_word(levels, code, i, word) || !phase_at(levels, channel, i, turn)) continue;
+    const float centre_px = (static_cast<float>(binary_from_gray(word)) + 0.5F) * cell_px - 0.5F;
+    const float orders = (centre_px - turn * period_px) / period_px;
+    const float offset_px = (std::floor(orders + 0.5F) - orders) * period_px;
+    ++witnesses;
+    contrary += std::fabs(offset_px) > 0.25F * (cell_px + period_px) ? 1 : 0;
+    offsets_px += offset_px;
+  }
+  if (witnesses < kLeastWitnesses) return {};
+  const char* along = axis == Axis::kColumn ? "column" : "row";
+  if (contrary > kMostContrary * witnesses) {
+    if (const int dark = dark_frame(levels, code); dark != kNone) return black_frame(levels, dark);
+    return failure(ResultCode::kSequenceOrderWrong,
+                   "Gray code and phase of the %s axis contradict each other at %d of %d places: frames are out of "
+                   "order, missing or doubled",
+                   along, contrary, witnesses);
+  }
+  const double shift_px = offsets_px / witnesses;
+  if (std::fabs(shift_px) > std::max(0.125 * cell_px, 1.0)) {
+    return failure(ResultCode::kSequenceOrderWrong,
+                   "the phase of the %s axis stands %.1f px off its Gray code: check the order and offset_rad of the "
+                   "phase frames",
+                   along, shift_px);
+  }
+  return {};
+}
+
+}  // namespace beltpick::decode
