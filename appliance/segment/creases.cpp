@@ -226,7 +226,8 @@ int Creases::cut(const RangeImage& range, const Scale& scale, Components& compon
   std::fill(whole_size_.begin(), whole_size_.end(), 0);
   for (std::size_t p = 0; p < pixels; ++p) {
     ++whole_size_[whole_[p]];
-    mask[p] = whole_[p] != 0 && concave_[p] == 0 ? 1 : 0;
+    // Where no normal is known, along the outline, a crease cannot be seen: it must not be a bridge.
+    mask[p] = whole_[p] != 0 && concave_[p] == 0 && !normal_[p].isZero() ? 1 : 0;
   }
   const int pieces = pieces_.find(range, mask, scale, min_pixels);
   std::fill(piece_size_.begin(), piece_size_.end(), 0);

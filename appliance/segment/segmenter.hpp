@@ -17,7 +17,7 @@
 namespace beltpick::segment {
 
 struct SegmentOptions {
-  std::optional<Plane> belt;  // where it is known; else it is found in the image
+  std::optional<Plane> belt{};  // where it is known; else it is found in the image
   // Cuts objects that touch apart where they meet in a sharp concave edge. A part with such an edge of its own is cut
   // too: who knows the parts leaves it off and takes found parts away from what is joined.
   // Needs a segmenter made with CreaseCut::kAvailable.
