@@ -42,6 +42,9 @@ class Appliance {
   // Reads calibration, cell, recipes and templates. The appliance runs without them, but refuses to start a cycle.
   Result<void> load() { return stages_->hub.load(); }
 
+  // What happened so far.
+  [[nodiscard]] const RunBook& book() const { return *book_; }
+
   // Opens the PLC's port and runs until SIGTERM or SIGINT; SIGHUP reads the model files anew. Returns the process's
   // exit code: 0 after a clean stop, 3 after a thread has hung. Error: the port cannot be had.
   Result<int> run();

@@ -56,13 +56,13 @@ void Controller::step(std::int64_t now_us) {
   std::optional<plc::PlcExchange::Answer> answer;
   for (const Action& action : actions.list()) {
     if (action.kind == ActionKind::kAnswerCommand && plc.command) answer = {plc.command->ticket, action.code};
-    carry_out(action);
   }
-  to_.plc.publish(registers(now_us), answer);
   const std::uint16_t answered = answer ? inputs.command : std::uint16_t{0};
   const ResultCode code = answer ? answer->code : ResultCode::kOk;
-  keep_books(before, answered, code);
   tell_changes(before, answered, code);
+  for (const Action& action : actions.list()) carry_out(action);
+  to_.plc.publish(registers(now_us), answer);
+  keep_books(before, answered, code);
 }
 
 cycle::CycleInputs Controller::gather(std::int64_t now_us, const plc::PlcView& plc) {
@@ -127,8 +127,9 @@ void Controller::make_offer(const Action& action) {
     offer_.grasp_opening_mm = static_cast<float>(grasp->opening_mm);
   }
   const Vec3& at = T_offer_part.translation_mm;
-  to_.log.write(LogLevel::kInfo, "offer %u: part %u at (%.1f, %.1f, %.1f) mm, score %.2f, %d left in this view",
-                action.number, offer_.part_number, at.x(), at.y(), at.z(), part.score, cycle_.status().parts_left);
+  to_.log.write(LogLevel::kInfo, "offer %u: part %u at (%.1f, %.1f, %.1f) mm, score %.2f%s; %d left in this view",
+                action.number, offer_.part_number, at.x(), at.y(), at.z(), part.score,
+                part.touches_neighbour ? ", touches another" : "", cycle_.status().parts_left);
 }
 
 void Controller::keep_books(const cycle::CycleStatus& before, std::uint16_t answered_command, ResultCode answer) {

@@ -1,5 +1,6 @@
 #include "capture/camera.hpp"
 
+#include <pthread.h>
 #include <chrono>
 #include <cstring>
 
@@ -42,6 +43,7 @@ Camera::~Camera() {
 
 void Camera::start() {
   keeper_ = std::thread([this] { keep(); });
+  ::pthread_setname_np(keeper_.native_handle(), "camera");
 }
 
 Error Camera::last_error() const {

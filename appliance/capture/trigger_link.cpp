@@ -1,6 +1,7 @@
 #include "capture/trigger_link.hpp"
 
 #include <poll.h>
+#include <pthread.h>
 #include <unistd.h>
 
 #include <chrono>
@@ -65,6 +66,7 @@ TriggerLink::~TriggerLink() {
 
 void TriggerLink::start() {
   thread_ = std::thread([this] { run(); });
+  ::pthread_setname_np(thread_.native_handle(), "trigger");
 }
 
 Error TriggerLink::last_error() const {

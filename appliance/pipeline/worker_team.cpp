@@ -1,9 +1,14 @@
 #include "pipeline/worker_team.hpp"
 
+#include <pthread.h>
+
 namespace beltpick::pipeline {
 
 WorkerTeam::WorkerTeam(int workers) {
-  for (int i = 1; i < workers; ++i) threads_.emplace_back([this, i] { work_until_stopped(i); });
+  for (int i = 1; i < workers; ++i) {
+    threads_.emplace_back([this, i] { work_until_stopped(i); });
+    pthread_setname_np(threads_.back().native_handle(), "pose");
+  }
 }
 
 WorkerTeam::~WorkerTeam() {
