@@ -1,6 +1,6 @@
 #include "app/capture_and_locate.hpp"
 
-#include <string_view>
+#include <algorithm>
 
 #include "base/clock.hpp"
 #include "contract/result_codes.hpp"
@@ -31,7 +31,9 @@ CaptureAndLocate::CaptureAndLocate(Arena& arena, const Settings& settings, const
       run_(neighbours.camera, neighbours.trigger, settings.limits.frames, arena),
       measure_(arena, settings.limits),
       segmenter_(arena, settings.limits),
-      locator_(arena, settings.limits, settings.pose_workers) {}
+      locator_(arena, settings.limits, settings.pose_workers),
+      withheld_(arena.take<WithheldObject>(
+          "withheld objects", static_cast<std::size_t>(settings.limits.segments + settings.limits.parts) + 1)) {}
 
 Result<void> CaptureAndLocate::adopt(const Geometry& geometry, const LoadedRecipe& recipe) {
   return measure_.configure(recipe.sequence, geometry.calibration);
@@ -80,6 +82,7 @@ Result<Located> CaptureAndLocate::locate(std::uint16_t number) {
   const pipeline::LocateOutput found = locator_.locate(input, to_.hub.models(), settings_.gripper);
   const double locate_ms = locate_watch.elapsed_ms();
 
+  const auto not_identified = withheld(found, objects.left_out);
   const pipeline::MeasureTiming& timing = measure_.timing();
   to_.book.add_time(Step::kFold, timing.fold_ms);
   to_.book.add_time(Step::kDecode, timing.decode_ms);
@@ -88,10 +91,23 @@ Result<Located> CaptureAndLocate::locate(std::uint16_t number) {
   to_.book.add_time(Step::kLocate, locate_ms);
   for (const double object_ms : found.object_ms) to_.book.add_time(Step::kLocatePart, object_ms);
   to_.book.add_time(Step::kLastFrameToPoses, static_cast<double>(monotonic_us() - last_frame_us_) / 1000.0);
-  to_.book.set_view(static_cast<int>(found.parts.size()), found.withheld);
-  to_.recorder.keep_result({number, *range, objects.labels, found.parts, found.withheld, timing.decode_ms,
+  to_.book.set_view(static_cast<int>(found.parts.size()), not_identified);
+  to_.recorder.keep_result({number, *range, objects.labels, found.parts, not_identified, timing.decode_ms,
                             timing.range_ms, segment_ms, locate_ms});
-  return Located{found.parts, found.withheld};
+  return Located{found.parts, not_identified};
+}
+
+// What the locator withheld, and what was never looked at because there were more objects than declared.
+std::span<const WithheldObject> CaptureAndLocate::withheld(const pipeline::LocateOutput& found, int left_out) {
+  const std::size_t count = std::min(found.withheld.size(), withheld_.size() - 1);
+  std::copy_n(found.withheld.begin(), count, withheld_.begin());
+  if (left_out == 0) return withheld_.first(count);
+  withheld_[count] = {
+      0, Stage::kSegment,
+      failure(ResultCode::kSegmentLimit, "%d objects beyond limits.segments (%d) were left out; raise it", left_out,
+              settings_.limits.segments)
+          .error()};
+  return withheld_.first(count + 1);
 }
 
 }  // namespace beltpick::app

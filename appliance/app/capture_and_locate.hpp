@@ -39,7 +39,7 @@ class CaptureAndLocate : public VisionWork {
  private:
   class FoldFrames;
 
-  [[nodiscard]] Result<void> check_camera() const;
+  std::span<const WithheldObject> withheld(const pipeline::LocateOutput& found, int left_out);
 
   const Settings& settings_;
   Neighbours to_;
@@ -47,6 +47,7 @@ class CaptureAndLocate : public VisionWork {
   pipeline::Measure measure_;
   segment::Segmenter segmenter_;
   pipeline::Locator locator_;
+  std::span<WithheldObject> withheld_;
   std::int64_t last_frame_us_ = 0;
 };
 
