@@ -98,10 +98,8 @@ Result<vc::Scene> make_scene(const SimulateOptions& options, const vc::SceneMake
                    contract_io::one_line(options.scene).substr(0, 60).c_str());
   if (options.lays.empty() && options.parts_in_view == 3) return maker.make_belt(3, seed).front();
   std::vector<vc::Lay> lays(static_cast<std::size_t>(options.parts_in_view), vc::Lay::kAny);
-  for (std::size_t i = 0; i < options.lays.size(); ++i) {
-    const auto lay = std::find(kLays.begin(), kLays.end(), options.lays[i]) - kLays.begin();
-    if (i >= lays.size()) lays.push_back(vc::Lay::kAny);
-    lays[i] = static_cast<vc::Lay>(lay);
+  for (std::size_t i = 0; i < std::min(lays.size(), options.lays.size()); ++i) {
+    lays[i] = static_cast<vc::Lay>(std::find(kLays.begin(), kLays.end(), options.lays[i]) - kLays.begin());
   }
   return maker.make(lays, seed);
 }
@@ -117,6 +115,7 @@ Result<void> write_rig_files(const vc::Rig& rig, const Sequence& sequence, const
 
 struct Rendered {
   contract_io::Json captures = contract_io::Json::array();
+  contract_io::Warnings warnings;
   std::string text;
 };
 
@@ -133,6 +132,11 @@ Result<Rendered> render(const SimulateOptions& options, const vc::Rig& rig, cons
     const std::uint64_t seed = options.seed + static_cast<std::uint64_t>(k);
     const auto scene = make_scene(options, maker, seed);
     if (!scene) return std::unexpected(scene.error());
+    const auto wanted = static_cast<std::size_t>(options.scene == "belt" ? options.parts_in_view : 0);
+    if (scene->size() < wanted) {
+      rendered.warnings.push_back("seed " + std::to_string(seed) + ": room for " + std::to_string(scene->size()) +
+                                  " parts in view, " + std::to_string(wanted) + " asked for");
+    }
     char name[16];
     std::snprintf(name, sizeof name, "%03d", k);
     std::filesystem::path folder = options.out;
@@ -167,6 +171,7 @@ Result<void> run(SimulateOptions options, const CLI::App& app, Session& session)
   auto parts = load_parts(options);
   if (!parts) return std::unexpected(parts.error());
   options.render.noise = !options.noise_free;
+  if (!options.lays.empty() && app.count("--parts") == 0) options.parts_in_view = static_cast<int>(options.lays.size());
   if (options.live.live) return run_live(options, app, std::move(*parts), session);
   if (options.parts_in_view > kMaxPartsInView) {
     return failure(ResultCode::kUsage, "--parts: expected at most %d in one view, found %d; more need --live",
@@ -189,6 +194,7 @@ Result<void> run(SimulateOptions options, const CLI::App& app, Session& session)
     if (!sequence) return std::unexpected(sequence.error());
     const auto rendered = render(options, *rig, *sequence, *parts, session.json);
     if (!rendered) return std::unexpected(rendered.error());
+    session.warn(rendered->warnings);
     answer["captures"] = rendered->captures;
     text += rendered->text;
   }
@@ -199,7 +205,9 @@ Result<void> run(SimulateOptions options, const CLI::App& app, Session& session)
 }
 
 void add_rig_options(CLI::App& app, SimulateOptions& options) {
-  app.add_option("--rig", options.rig_file, "TOML file of the rig's optics (default: the design's rig)")
+  app.add_option("--rig", options.rig_file,
+                 "TOML file of the optics: camera_width, camera_height, projector_width, projector_height, layout, "
+                 "camera_distance_mm, projector_distance_mm, angle_deg, field_width_mm, camera_tilt_deg, distortion")
       ->type_name("FILE");
   app.add_option("--camera", options.camera_size, "camera size in pixels (default 1280x960)");
   app.add_option("--projector", options.projector_size, "projector size in pixels (default 912x1140)");

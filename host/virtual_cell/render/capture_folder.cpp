@@ -45,6 +45,9 @@ Result<void> write_capture_folder(SceneRenderer& renderer, const RenderOptions& 
                                   const Truth& truth, const CaptureTiming& timing, const std::filesystem::path& folder,
                                   const std::function<void()>& done) {
   if (auto made = contract_io::make_folder(folder); !made) return made;
+  // Without it no half-written mixture of an old capture and this one can be read.
+  std::error_code none;
+  std::filesystem::remove(folder / "capture.json", none);
   const auto size = renderer.true_instances();
   std::vector<std::uint8_t> pixels(size.size());
   CaptureHeader header;

@@ -15,6 +15,7 @@ namespace {
 constexpr int kDirections = 6000;
 constexpr int kNeighbours = 8;
 constexpr int kTurns = 180;
+constexpr double kSameCosine = 0.9998;  // two minima that rolled into one
 
 // Evenly spread directions (Fibonacci's lattice on the sphere).
 std::vector<Vec3> sphere_directions(int count) {
@@ -149,16 +150,24 @@ std::vector<RestingPose> resting_poses(const ScenePart& part, double nudge_mm) {
   std::vector<int> count(directions.size(), 0);
   for (const int b : bottom) ++count[b];
   std::vector<RestingPose> poses;
+  std::vector<Vec3> downs;
   for (std::size_t i = 0; i < directions.size(); ++i) {
     if (count[i] == 0) continue;
     const Vec3 down = settle_exactly(part, points, directions[i]);
-    RestingPose pose;
+    const double weight = static_cast<double>(count[i]) / kDirections;
+    const auto same =
+        std::find_if(downs.begin(), downs.end(), [&](const Vec3& d) { return d.dot(down) > kSameCosine; });
+    if (same != downs.end()) {
+      poses[static_cast<std::size_t>(same - downs.begin())].weight += weight;
+      continue;
+    }
+    downs.push_back(down);
+    RestingPose& pose = poses.emplace_back();
     pose.R_belt_part = Eigen::Quaterniond::FromTwoVectors(down, -Vec3::UnitZ()).toRotationMatrix();
+    pose.weight = weight;
     for (const Vec3f& vertex : part.mesh.vertex_mm) {
       pose.height_mm = std::max(pose.height_mm, down.dot(vertex.cast<double>() - part.centre_of_mass_mm));
     }
-    pose.weight = static_cast<double>(count[i]) / kDirections;
-    poses.push_back(pose);
   }
   std::sort(poses.begin(), poses.end(), [](const auto& a, const auto& b) { return a.weight > b.weight; });
   return poses;

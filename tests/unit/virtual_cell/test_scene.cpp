@@ -49,7 +49,7 @@ double slow_distance(const Mesh& mesh, const Vec3& p) {
 // Deepest vertex of one part inside another, by the slow distance on the vertices that come near.
 double slow_penetration(const BeltPart& one, const BeltPart& other) {
   const Pose<frame::Part, frame::Belt> T_part_belt = other.T_belt_part.inverse();
-  const ContactField coarse(knuckle());  // only to choose the vertices worth the slow look
+  static const ContactField coarse(knuckle());  // only to choose the vertices worth the slow look
   double deepest = 0.0;
   for (const Vec3f& vertex : knuckle().mesh.vertex_mm) {
     const Vec3 local = T_part_belt * (one.T_belt_part * vertex.cast<double>());
