@@ -5,30 +5,12 @@
 #include <nlohmann/json.hpp>
 
 #include "cli_help.hpp"
+#include "workshop.hpp"
 
 using namespace beltpick::test;
 namespace fs = std::filesystem;
 
 namespace {
-
-// A small rendered capture, its calibration and a template, made once.
-const TempFolder& workshop() {
-  static const TempFolder folder;
-  static const bool made = [] {
-    const std::string scene = (folder / "scene").string();
-    const Outcome simulated = beltpick_run("simulate --camera 160x120 --projector 152x190 --seed 3 --out " + scene +
-                                           " --write-parts " + folder.path().string());
-    INFO(simulated.err);
-    REQUIRE(simulated.exit_code == 0);
-    const Outcome taught = beltpick_run("teach " + (folder / "knuckle.stl").string() + " --points 500 --out " +
-                                        (folder / "knuckle.template").string());
-    INFO(taught.err);
-    REQUIRE(taught.exit_code == 0);
-    return true;
-  }();
-  (void)made;
-  return folder;
-}
 
 // How each command is called on `input` with `calibration`, writing to `out`.
 struct Reader {
