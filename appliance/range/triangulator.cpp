@@ -49,9 +49,11 @@ Result<void> Triangulator::load(const Calibration& calibration) {
   extent_px_ = {calibration.projector.width, calibration.projector.height};
   std::size_t at = 0;
   for (int row = 0; row < rows_; ++row) {
+    Vec2 bent = Vec2::Zero();  // by the lens, at the pixel to the left: shortens the search
     for (int col = 0; col < cols_; ++col, ++at) {
       const Vec2 seen((col - camera.cx_px) / camera.fx_px, (row - camera.cy_px) / camera.fy_px);
-      const auto ideal = undistort(camera, seen, seen);
+      const auto ideal = undistort(camera, seen, seen + bent);
+      bent = ideal ? Vec2(*ideal - seen) : Vec2::Zero();
       constexpr double kNoRay = std::numeric_limits<double>::quiet_NaN();  // depth 0 follows
       ray_u_[at] = static_cast<float>(ideal ? ideal->x() : kNoRay);
       ray_v_[at] = static_cast<float>(ideal ? ideal->y() : kNoRay);
