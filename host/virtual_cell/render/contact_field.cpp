@@ -8,6 +8,8 @@
 namespace beltpick::virtual_cell {
 namespace {
 
+constexpr double kCellsAcross = 140.0;
+
 // Distance to a triangle, by the regions of its plane (Ericson, Real-Time Collision Detection, 5.1.5).
 double triangle_distance(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c) {
   const Vec3 ab = b - a;
@@ -31,12 +33,14 @@ double triangle_distance(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3
 ContactField::ContactField(const ScenePart& part) {
   Eigen::AlignedBox3d box;
   for (const Vec3f& v : part.mesh.vertex_mm) box.extend(v.cast<double>());
+  cell_mm_ = box.diagonal().norm() / kCellsAcross;
+  band_mm_ = 2.0 * cell_mm_;
   // The odd fraction keeps grid columns off the vertices of regular meshes, where a parity count is undecided.
-  origin_mm_ = box.min() - Vec3::Constant(kBandMm + kCellMm) + Vec3(0.0137, 0.0271, 0.0093);
+  origin_mm_ = box.min() - Vec3::Constant(band_mm_ + cell_mm_) + cell_mm_ * Vec3(0.0091, 0.0181, 0.0062);
   for (int axis = 0; axis < 3; ++axis) {
-    size_[axis] = static_cast<int>(std::ceil((box.sizes()[axis] + 2.0 * kBandMm) / kCellMm)) + 3;
+    size_[axis] = static_cast<int>(std::ceil((box.sizes()[axis] + 2.0 * band_mm_) / cell_mm_)) + 3;
   }
-  distance_.assign(static_cast<std::size_t>(size_[0]) * size_[1] * size_[2], static_cast<float>(kBandMm));
+  distance_.assign(static_cast<std::size_t>(size_[0]) * size_[1] * size_[2], static_cast<float>(band_mm_));
   measure(part.mesh);
   sign(part.mesh);
 }
@@ -47,8 +51,8 @@ void ContactField::measure(const Mesh& mesh) {
     const Vec3 a = mesh.vertex_mm[face[0]].cast<double>();
     const Vec3 b = mesh.vertex_mm[face[1]].cast<double>();
     const Vec3 c = mesh.vertex_mm[face[2]].cast<double>();
-    const Vec3 low = (a.cwiseMin(b).cwiseMin(c) - Vec3::Constant(kBandMm) - origin_mm_) / kCellMm;
-    const Vec3 high = (a.cwiseMax(b).cwiseMax(c) + Vec3::Constant(kBandMm) - origin_mm_) / kCellMm;
+    const Vec3 low = (a.cwiseMin(b).cwiseMin(c) - Vec3::Constant(band_mm_) - origin_mm_) / cell_mm_;
+    const Vec3 high = (a.cwiseMax(b).cwiseMax(c) + Vec3::Constant(band_mm_) - origin_mm_) / cell_mm_;
     for (int k = static_cast<int>(std::ceil(low.z())); k <= high.z(); ++k) {
       for (int j = static_cast<int>(std::ceil(low.y())); j <= high.y(); ++j) {
         for (int i = static_cast<int>(std::ceil(low.x())); i <= high.x(); ++i) {
@@ -69,8 +73,8 @@ void ContactField::sign(const Mesh& mesh) {
     const Vec3 ac = mesh.vertex_mm[face[2]].cast<double>() - a;
     const double area = ab.x() * ac.y() - ab.y() * ac.x();
     if (std::abs(area) < 1e-12) continue;
-    const Vec3 low = (a + ab.cwiseMin(ac).cwiseMin(0.0) - origin_mm_) / kCellMm;
-    const Vec3 high = (a + ab.cwiseMax(ac).cwiseMax(0.0) - origin_mm_) / kCellMm;
+    const Vec3 low = (a + ab.cwiseMin(ac).cwiseMin(0.0) - origin_mm_) / cell_mm_;
+    const Vec3 high = (a + ab.cwiseMax(ac).cwiseMax(0.0) - origin_mm_) / cell_mm_;
     for (int j = static_cast<int>(std::ceil(low.y())); j <= high.y(); ++j) {
       for (int i = static_cast<int>(std::ceil(low.x())); i <= high.x(); ++i) {
         const Vec3 p = corner(i, j, 0) - a;
@@ -96,8 +100,9 @@ void ContactField::sign(const Mesh& mesh) {
 }
 
 double ContactField::distance(const Vec3& point_part_mm) const {
-  const Vec3 g = (point_part_mm - origin_mm_) / kCellMm;
-  if (!(g.minCoeff() >= 0.0) || g.x() >= size_[0] - 1 || g.y() >= size_[1] - 1 || g.z() >= size_[2] - 1) return kBandMm;
+  const Vec3 g = (point_part_mm - origin_mm_) / cell_mm_;
+  if (!(g.minCoeff() >= 0.0) || g.x() >= size_[0] - 1 || g.y() >= size_[1] - 1 || g.z() >= size_[2] - 1)
+    return band_mm_;
   const int i = static_cast<int>(g.x());
   const int j = static_cast<int>(g.y());
   const int k = static_cast<int>(g.z());

@@ -56,12 +56,17 @@ struct SceneMaker::State {
   std::vector<std::vector<RestingPose>> resting;
   std::vector<std::vector<Vec3>> points;  // part frame
   Settler settler;
+  std::vector<double> reach_mm;             // of each part from its centre of mass
   double half_x_mm = 0.0, half_y_mm = 0.0;  // of the view at the belt
 
   State(std::span<const ScenePart> parts_, const Rig& rig_) : parts(parts_), rig(rig_), settler(parts_) {
     for (const ScenePart& part : parts) {
       resting.push_back(resting_poses(part));
       points.push_back(surface_points(part, 3.0));
+      reach_mm.push_back(0.0);
+      for (const Vec3& p : points.back()) {
+        reach_mm.back() = std::max(reach_mm.back(), (p - part.centre_of_mass_mm).norm());
+      }
     }
     half_x_mm = 0.5 * rig.camera.width / rig.camera.fx_px * rig.T_camera_belt.translation_mm.z();
     half_y_mm = 0.5 * rig.camera.height / rig.camera.fy_px * rig.T_camera_belt.translation_mm.z();
@@ -147,7 +152,7 @@ bool SceneMaker::State::place_leaning(Random& random, Scene& scene) const {
     placed.part = static_cast<int>(random.below(static_cast<std::uint32_t>(parts.size())));
     placed.T_belt_part.rotation = orientation(placed.part, Lay::kLeaning, random);
     const double away = random.uniform(0.0, 2.0 * kPi);
-    const double distance_mm = random.uniform(45.0, 90.0);
+    const double distance_mm = random.uniform(0.35, 0.7) * reach_mm[placed.part];
     const Vec3 centre = placed.T_belt_part.rotation * parts[placed.part].centre_of_mass_mm;
     placed.T_belt_part.translation_mm = target - centre + distance_mm * Vec3(std::cos(away), std::sin(away), 0.0);
     Scene settled = scene;

@@ -1,6 +1,7 @@
 // Mass properties by the divergence theorem, normals by crease angle.
 #include "virtual_cell/render/scene_part.hpp"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 
@@ -11,6 +12,7 @@ namespace beltpick::virtual_cell {
 namespace {
 
 constexpr double kCreaseAngleDeg = 35.0;
+constexpr double kSmallestMm = 5.0, kLargestMm = 2000.0;
 
 // Sums over the tetrahedra from the origin to each face: volume, first and second moments.
 void add_mass(ScenePart& part) {
@@ -63,6 +65,11 @@ Result<ScenePart> make_part(std::string name, Mesh mesh) {
   if (mesh.face.empty())
     return failure(ResultCode::kMeshInvalid, "part %s: expected a mesh with faces, found none; export it as triangles",
                    name.c_str());
+  Eigen::AlignedBox3f box;
+  for (const Vec3f& vertex : mesh.vertex_mm) box.extend(vertex);
+  if (!(box.diagonal().norm() >= kSmallestMm && box.diagonal().norm() <= kLargestMm))
+    return failure(ResultCode::kMeshInvalid, "part %s: expected %g..%g mm across, found %.3g; check the mesh's unit",
+                   name.c_str(), kSmallestMm, kLargestMm, static_cast<double>(box.diagonal().norm()));
   ScenePart part;
   part.name = std::move(name);
   part.mesh = std::move(mesh);

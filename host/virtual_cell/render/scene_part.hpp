@@ -23,8 +23,8 @@ struct ScenePart {
   std::vector<Grasp> grasps;
 };
 
-// Works out mass properties and corner normals of a closed mesh. Errors: kMeshInvalid when it has no faces or encloses
-// no volume.
+// Works out mass properties and corner normals of a closed mesh. Errors: kMeshInvalid when it has no faces, encloses
+// no volume or is of no size that a belt carries (5 mm to 2 m).
 Result<ScenePart> make_part(std::string name, Mesh mesh);
 
 // The built-in parts "knuckle", "elbow" and "bracket". Errors: kUsage for another name.

@@ -31,6 +31,7 @@ constexpr double kNearMm = 1.2;  // points nearer than this to another surface a
 constexpr double kContactSpacingMm = 2.5;
 constexpr double kGroupMm = 6.0;
 constexpr double kTouchMm = 0.4;
+constexpr double kFarMm = 3.0;
 constexpr int kBelt = -1;
 
 // Points of the surface that lie together, relative to the centre of mass; looked at only where the group comes near.
@@ -71,12 +72,12 @@ struct Contact {
   double depth;
 };
 
-// Signed gap of a point to the belt or to a body; at least kBandMm where it is farther.
+// Signed gap of a point to the belt or to a body; at least the field's band where it is farther.
 double gap_to(const std::vector<Body>& bodies, int other, const Vec3& belt_mm) {
   if (other == kBelt) return belt_mm.z();
   const Body& body = bodies[other];
   const double beyond = (belt_mm - body.centre_mm).norm() - body.radius_mm;
-  return beyond > ContactField::kBandMm ? beyond : body.field->distance(body.to_part(belt_mm));
+  return beyond > body.field->band_mm() ? beyond : body.field->distance(body.to_part(belt_mm));
 }
 
 // All vertices and, on large triangles, points between them, grouped by cubes.
@@ -244,7 +245,7 @@ void Settler::State::step(std::vector<Body>& bodies, const std::vector<Watch>& w
 double Settler::State::gap_mm(const Scene& scene, std::size_t index, bool with_belt) const {
   const std::vector<Body> all = bodies(scene);
   const int chosen = static_cast<int>(index);
-  double gap = ContactField::kBandMm;
+  double gap = kFarMm;
   for (int a = 0; a < static_cast<int>(all.size()); ++a) {
     for (int b = with_belt && a == chosen ? kBelt : 0; b < static_cast<int>(all.size()); ++b) {
       if (a == b || (a != chosen && b != chosen)) continue;
@@ -281,7 +282,7 @@ void Settler::lift_clear(Scene& scene, std::size_t index, double gap_mm) const {
       if (i != index) top = std::max(top, z);
     }
   }
-  at.z() += top + ContactField::kBandMm - lowest;
+  at.z() += top + kFarMm - lowest;
   while (true) {
     at.z() -= 1.0;
     if (state_->gap_mm(scene, index, true) < gap_mm) break;

@@ -103,6 +103,16 @@ TEST_CASE("the knuckle's boss is a true cylinder") {
   CHECK(on_boss > 200);
 }
 
+TEST_CASE("a mesh that is open, inside out or of another unit is refused in one line") {
+  Mesh inside_out = knuckle().mesh;
+  for (auto& face : inside_out.face) std::swap(face[0], face[1]);
+  CHECK(make_part("knuckle", inside_out).error().text().find("wound outwards") != std::string_view::npos);
+  Mesh in_metres = knuckle().mesh;
+  for (Vec3f& v : in_metres.vertex_mm) v *= 0.001F;
+  CHECK(make_part("knuckle", in_metres).error().text().find("unit") != std::string_view::npos);
+  CHECK(!make_part("nothing", Mesh{}));
+}
+
 TEST_CASE("the elbow's symmetry maps it onto itself") {
   const ScenePart elbow = builtin_part("elbow").value();
   REQUIRE(elbow.symmetries.size() == 1);
@@ -118,7 +128,7 @@ TEST_CASE("the contact field is the distance to the mesh") {
   double worst = 0.0;
   for (int i = 0; i < 40; ++i) {
     const Vec3 p(-62.0 + 4.1 * i, -20.0 + 1.3 * i, -12.0 + 0.8 * i);
-    const double expected = std::clamp(slow_distance(knuckle().mesh, p), -ContactField::kBandMm, ContactField::kBandMm);
+    const double expected = std::clamp(slow_distance(knuckle().mesh, p), -field.band_mm(), field.band_mm());
     worst = std::max(worst, std::abs(field.distance(p) - expected));
   }
   CHECK(worst < 0.3);
