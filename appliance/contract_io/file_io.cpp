@@ -33,6 +33,20 @@ std::unexpected<Error> not_written(const std::string& name, int error) {
                  name.c_str(), std::strerror(error));
 }
 
+// Where a symbolic link leads: renaming would replace the link instead.
+std::filesystem::path followed(const std::filesystem::path& path) {
+  std::error_code error;
+  if (!std::filesystem::is_symlink(path, error)) return path;
+  const std::filesystem::path target = std::filesystem::weakly_canonical(path, error);
+  return error ? path : target;
+}
+
+// /dev/null, a pipe, a terminal: written to, never replaced.
+bool is_device(const std::filesystem::path& path) {
+  struct stat status {};
+  return stat(path.c_str(), &status) == 0 && !S_ISREG(status.st_mode) && !S_ISDIR(status.st_mode);
+}
+
 }  // namespace
 
 std::string one_line(std::string_view text) {
@@ -72,19 +86,21 @@ Result<std::string> read_file(const std::filesystem::path& path, std::size_t max
 
 Result<void> write_file(const std::filesystem::path& path, std::string_view bytes) {
   const std::string name = one_line(path.string());
-  const std::string temporary = path.string() + ".part" + std::to_string(getpid());
-  File file(std::fopen(temporary.c_str(), "wb"));
+  const std::filesystem::path target = followed(path);
+  const bool direct = is_device(target);
+  const std::string written = direct ? target.string() : target.string() + ".part" + std::to_string(getpid());
+  File file(std::fopen(written.c_str(), "wb"));
   if (!file) return not_written(name, errno);
   bool whole = std::fwrite(bytes.data(), 1, bytes.size(), file.get()) == bytes.size();
   whole = std::fflush(file.get()) == 0 && whole;
   int error = errno;
   file.reset();
-  if (whole) {
-    whole = std::rename(temporary.c_str(), path.c_str()) == 0;
+  if (whole && !direct) {
+    whole = std::rename(written.c_str(), target.c_str()) == 0;
     error = errno;
   }
   if (whole) return {};
-  std::remove(temporary.c_str());
+  if (!direct) std::remove(written.c_str());
   return not_written(name, error);
 }
 

@@ -16,7 +16,8 @@ inline constexpr std::size_t kMaxFileBytes = std::size_t{2} << 30U;
 // All bytes of a regular file. Errors: kFileNotFound, kFileUnreadable (a folder, no permission, too large).
 Result<std::string> read_file(const std::filesystem::path& path, std::size_t max_bytes = kMaxFileBytes);
 
-// Writes to a temporary beside `path`, then renames: a reader never sees half a file. Error: kFileNotWritten.
+// Writes to a temporary beside `path`, then renames: a reader never sees half a file. A symbolic link is followed; a
+// device or pipe is written to as it is. Error: kFileNotWritten.
 Result<void> write_file(const std::filesystem::path& path, std::string_view bytes);
 
 // Makes `path` and its parents. Error: kFileNotWritten.

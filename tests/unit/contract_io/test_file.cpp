@@ -1,3 +1,7 @@
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
 #include <catch2/catch.hpp>
 
 #include "contract/result_codes.hpp"
@@ -19,6 +23,23 @@ TEST_CASE("Files are written whole and read back", "[file]") {
   REQUIRE(write_file(folder / "x", "shorter"));
   CHECK(*read_file(folder / "x") == "shorter");
   CHECK(std::distance(fs::directory_iterator(folder.path()), {}) == 1);  // no temporary is left
+}
+
+TEST_CASE("Links are followed and devices never replaced", "[file]") {
+  const TempFolder folder;
+  const fs::path target = folder.file("target", "old");
+  fs::create_symlink("target", folder / "link");
+  REQUIRE(write_file(folder / "link", "new"));
+  CHECK(fs::is_symlink(folder / "link"));
+  CHECK(file_bytes(target) == "new");
+  const fs::path pipe = folder / "pipe";
+  REQUIRE(mkfifo(pipe.c_str(), 0600) == 0);
+  const int reader = open(pipe.c_str(), O_RDONLY | O_NONBLOCK);
+  REQUIRE(write_file(pipe, "through"));
+  CHECK(fs::is_fifo(pipe));
+  char got[8]{};
+  CHECK(read(reader, got, sizeof got) == 7);
+  close(reader);
 }
 
 TEST_CASE("A failed write leaves neither file nor temporary", "[file]") {
