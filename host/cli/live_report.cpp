@@ -1,5 +1,6 @@
 #include "live_report.hpp"
 
+#include <cmath>
 #include <cstdio>
 
 #include "contract/result_codes.hpp"
@@ -27,6 +28,15 @@ Json view_json(const virtual_cell::ViewRecord& view) {
             {"total_ms", view.total_ms}};
   if (view.left > 0) json["reason"] = view.withheld_code != 0 ? code_name(view.withheld_code) : "NOT_SEEN";
   return json;
+}
+
+Json pick_json(const virtual_cell::PickRecord& pick) {
+  constexpr const char* kOutcomes[] = {"picked", "crashed", "blocked"};  // in the order of PickOutcome
+  const auto rounded = [](double value) { return std::isfinite(value) ? std::round(value * 1e4) / 1e4 : value; };
+  return {{"view", pick.view},
+          {"outcome", kOutcomes[static_cast<std::size_t>(pick.result.outcome)]},
+          {"position_mm", rounded(pick.result.position_mm)},
+          {"angle_deg", rounded(pick.result.angle_deg)}};
 }
 
 Json fault_json(const virtual_cell::FaultRecord& record) {
@@ -60,6 +70,8 @@ Json report_json(const virtual_cell::CellReport& report) {
   Json faults = Json::array();
   for (const auto& fault : report.faults) faults.push_back(fault_json(fault));
   json["views"] = views;
+  json["picks"] = Json::array();
+  for (const auto& pick : report.picks) json["picks"].push_back(pick_json(pick));
   json["faults"] = faults;
   return json;
 }

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "virtual_cell/world/fault_plan.hpp"
+#include "virtual_cell/world/plant.hpp"
 
 namespace beltpick::virtual_cell {
 
@@ -31,6 +32,11 @@ struct ViewRecord {
   double total_ms = 0.0;
 };
 
+struct PickRecord {
+  int view = 0;
+  PickResult result;
+};
+
 struct CellReport {
   int parts = 0;
   int picked = 0;
@@ -41,6 +47,7 @@ struct CellReport {
   bool finished = false;
   std::string stopped_by;  // why it did not finish
   std::vector<ViewRecord> views;
+  std::vector<PickRecord> picks;
   std::vector<FaultRecord> faults;
 };
 

@@ -147,15 +147,15 @@ void LiveWorld::set_belt_stopped_line(bool stopped) {
 
 void LiveWorld::set_emergency_stop_line(bool pressed) { board_->set_emergency_stop(pressed); }
 
-PickOutcome LiveWorld::pick(const Offer& offer) {
+PickResult LiveWorld::pick(const Offer& offer) {
   wait_s(kRobotApproach_s);
-  judgement_ = truth_.judge(offer);
-  if (judgement_.outcome == PickOutcome::kPicked) {
-    truth_.remove(judgement_.index);
+  const PickJudgement judged = truth_.judge(offer);
+  if (judged.outcome == PickOutcome::kPicked) {
+    truth_.remove(judged.index);
     place();
   }
   wait_s(kRobotRetreat_s);
-  return judgement_.outcome;
+  return judged;
 }
 
 void LiveWorld::miss() { wait_s(kRobotApproach_s + kRobotRetreat_s); }

@@ -43,15 +43,13 @@ class LiveWorld final : public Plant {
   bool bring_next_parts() override;
   void set_belt_stopped_line(bool stopped) override;
   void set_emergency_stop_line(bool pressed) override;
-  PickOutcome pick(const Offer& offer) override;
+  PickResult pick(const Offer& offer) override;
   void miss() override;
   [[nodiscard]] int parts_in_view() const override;
   [[nodiscard]] int exposures() const override { return exposures_; }
   void break_camera(CellFault fault) override;
   void mend_camera() override;
 
-  // The last judgement of a pick, for the log.
-  [[nodiscard]] const PickJudgement& last_judgement() const { return judgement_; }
   [[nodiscard]] const std::string& trigger_tty() const { return board_->tty(); }
   // The view as the camera sees it under the projector's white.
   void photograph(ImageView<std::uint8_t> image);
@@ -80,7 +78,6 @@ class LiveWorld final : public Plant {
   PatternProjector projector_;
   std::size_t next_view_ = 0;
   Random random_;
-  PickJudgement judgement_;
 
   std::mutex render_mutex_;
   SceneRenderer renderer_;

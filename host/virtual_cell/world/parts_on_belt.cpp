@@ -71,7 +71,7 @@ PickJudgement PartsOnBelt::judge(const Offer& offer) const {
         return std::max(mm / limits_.position_mm, deg / limits_.angle_deg);
       };
       if (rank(position, angle) >= rank(best.position_mm, best.angle_deg)) continue;
-      best = {PickOutcome::kCrashed, static_cast<int>(i), position, angle};
+      best = {{PickOutcome::kCrashed, position, angle}, static_cast<int>(i)};
     }
   }
   if (best.index < 0 || best.position_mm > limits_.position_mm || best.angle_deg > limits_.angle_deg) return best;

@@ -20,11 +20,8 @@ struct PickLimits {
   double angle_deg = 1.0;
 };
 
-struct PickJudgement {
-  PickOutcome outcome = PickOutcome::kCrashed;
-  int index = -1;            // of the part gripped, into parts()
-  double position_mm = 0.0;  // error against the nearest part of that kind
-  double angle_deg = 0.0;
+struct PickJudgement : PickResult {
+  int index = -1;  // of the part gripped, into parts()
 };
 
 class PartsOnBelt {

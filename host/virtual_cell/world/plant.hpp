@@ -15,6 +15,12 @@ enum class PickOutcome {
   kBlocked,  // the pose was right, the gripper's way in was not free
 };
 
+struct PickResult {
+  PickOutcome outcome = PickOutcome::kCrashed;
+  double position_mm = 0.0;  // error of the offered pose against the nearest part of that kind
+  double angle_deg = 0.0;
+};
+
 class Plant {
  public:
   virtual ~Plant() = default;
@@ -27,7 +33,7 @@ class Plant {
 
   // The robot goes in, grips where the offer says, and leaves with the part where it succeeded. The scene has settled
   // when it returns.
-  virtual PickOutcome pick(const Offer& offer) = 0;
+  virtual PickResult pick(const Offer& offer) = 0;
   // The robot goes in, grips nothing and leaves.
   virtual void miss() = 0;
   [[nodiscard]] virtual int parts_in_view() const = 0;

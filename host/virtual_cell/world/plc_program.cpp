@@ -82,6 +82,7 @@ bool PlcProgram::run_view() {
   if (options_.on_view_begin) options_.on_view_begin(view.view);
   const Stopwatch watch;
   staged_ = false;
+  captures_before_.reset();
   fault_.reset();
   if (const auto fault = plan_.for_cycle(view.view)) fault_ = FaultRecord{*fault, view.view, {}, false, false};
   ViewEnd end = ViewEnd::kFaulted;
@@ -102,7 +103,7 @@ PlcProgram::ViewEnd PlcProgram::run_cycle(ViewRecord& view) {
   stage_before_start();
   const auto before = look();
   if (!before) return ViewEnd::kStopped;
-  const std::uint16_t captures_before = before->at(register_address("capture"));
+  if (!captures_before_) captures_before_ = before->at(register_address("capture"));
   last_code_at_start_ = last_code(*before);
   exposures_at_start_ = plant_.exposures();
   const Stopwatch watch;
@@ -112,8 +113,7 @@ PlcProgram::ViewEnd PlcProgram::run_cycle(ViewRecord& view) {
   while (watch.elapsed_ms() < 4.0 * options_.answer_timeout_ms) {
     const auto seen = look();
     if (!seen) return ViewEnd::kStopped;
-    view.captures = std::max<int>(view.captures,
-                                  static_cast<std::uint16_t>(seen->at(register_address("capture")) - captures_before));
+    view.captures = static_cast<std::uint16_t>(seen->at(register_address("capture")) - *captures_before_);
     if (last_code(*seen) != last_code_at_start_) note_code(last_code(*seen));
     if (seen->state() == CellState::kFault) return ViewEnd::kFaulted;
     if (seen->state() == CellState::kIdle) return ViewEnd::kFaulted;
@@ -139,7 +139,9 @@ bool PlcProgram::serve_offer(const ApplianceRegisters& seen, ViewRecord& view) {
   served_sequence_ = offer.sequence;
   if (stage_at_offer(seen)) return true;
   if (!show_robot_clear(false)) return false;
-  const PickOutcome outcome = plant_.pick(offer);
+  const PickResult result = plant_.pick(offer);
+  const PickOutcome outcome = result.outcome;
+  report_.picks.push_back({view.view, result});
   if (!show_robot_clear(true)) return false;
   if (outcome == PickOutcome::kCrashed) ++report_.crashes;
   if (outcome == PickOutcome::kBlocked) ++report_.blocked;

@@ -67,9 +67,9 @@ class PlcProgram {
   int served_sequence_ = -1;
   int exposures_at_start_ = 0;
   std::uint16_t last_code_at_start_ = 0;
-  double started_ms_ = 0.0;
-  std::optional<FaultRecord> fault_;  // of this view, if it is hit
-  bool staged_ = false;               // it was done to the cell
+  std::optional<std::uint16_t> captures_before_;  // this view
+  std::optional<FaultRecord> fault_;              // of this view, if it is hit
+  bool staged_ = false;                           // it was done to the cell
 };
 
 }  // namespace beltpick::virtual_cell

@@ -33,14 +33,14 @@ struct StandInPlant final : Plant {
   }
   void set_belt_stopped_line(bool stopped) override { line_stopped = stopped; }
   void set_emergency_stop_line(bool pressed) override { emergency_stop = pressed; }
-  PickOutcome pick(const Offer& offer) override {
+  PickResult pick(const Offer& offer) override {
     REQUIRE(offer.whole);
     if (blocked > 0) {
       --blocked;
-      return PickOutcome::kBlocked;
+      return {PickOutcome::kBlocked};
     }
     --in_view;
-    return PickOutcome::kPicked;
+    return {PickOutcome::kPicked};
   }
   void miss() override {}
   int parts_in_view() const override { return in_view; }
