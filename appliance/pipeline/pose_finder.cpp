@@ -205,8 +205,11 @@ Attempt PoseFinder::decide(const Context& context) {
     return attempt;
   }
   const auto first = candidates_.begin();
-  std::stable_sort(first, first + candidate_count_,
-                   [](const Candidate& a, const Candidate& b) { return a.strength > b.strength; });
+  const auto stronger = [](const Candidate& a, const Candidate& b) { return a.strength > b.strength; };
+  // A stable sort of few by insertion: std::stable_sort takes its buffer from the heap.
+  for (auto next = first; next != first + candidate_count_; ++next) {
+    std::rotate(std::upper_bound(first, next, *next, stronger), next, next + 1);
+  }
   Candidate champion = candidates_.front();
   finish(context, champion);
   attempt.best = champion;

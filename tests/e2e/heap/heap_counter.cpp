@@ -7,6 +7,7 @@
 #include <array>
 #include <atomic>
 #include <cstdlib>
+#include <filesystem>
 #include <fstream>
 
 extern "C" void* __libc_malloc(std::size_t);
@@ -94,12 +95,18 @@ void stop() { counting = false; }
 
 std::vector<ThreadCount> counts() {
   std::vector<ThreadCount> out;
+  const auto of = [&](const std::string& name) -> ThreadCount& {
+    const auto at =
+        std::find_if(out.begin(), out.end(), [&](const ThreadCount& count) { return count.thread == name; });
+    return at != out.end() ? *at : out.emplace_back(ThreadCount{name});
+  };
+  for (const auto& task : std::filesystem::directory_iterator("/proc/self/task")) {
+    of(thread_name(std::stol(task.path().filename())));
+  }
   for (std::size_t i = 0; i < used_slots; ++i) {
-    const std::string name = thread_name(slots[i].thread_id);
-    auto at = std::find_if(out.begin(), out.end(), [&](const ThreadCount& count) { return count.thread == name; });
-    if (at == out.end()) at = out.insert(out.end(), ThreadCount{name});
-    at->taken += slots[i].taken;
-    at->given_back += slots[i].given_back;
+    ThreadCount& count = of(thread_name(slots[i].thread_id));
+    count.taken += slots[i].taken;
+    count.given_back += slots[i].given_back;
   }
   return out;
 }

@@ -16,7 +16,7 @@ struct ThreadCount {
 // Forgets what was counted so far and counts from here on.
 void start();
 void stop();
-// Per name of the threads that still live; those that have ended as "ended".
+// Per name of the threads that live, also of those that took nothing; of those that have ended as "ended".
 std::vector<ThreadCount> counts();
 
 }  // namespace heap

@@ -7,9 +7,11 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <chrono>
 #include <filesystem>
+#include <memory>
 #include <thread>
 
 #include "app/appliance.hpp"
@@ -106,6 +108,16 @@ bool wait_for_cycles(const app::Appliance& appliance, int cycles, double patienc
 
 }  // namespace
 
+TEST_CASE("the counter sees what a thread takes, whichever way", "[heap]") {
+  heap::start();
+  std::free(std::malloc(7));
+  auto number = std::make_unique<int>(7);
+  std::vector<std::string> texts(3, std::string(100, 'x'));
+  heap::stop();
+  const auto counts = heap::counts();
+  CHECK(std::any_of(counts.begin(), counts.end(), [](const auto& count) { return count.taken >= 6; }));
+}
+
 TEST_CASE("over twenty cycles the threads of the design take nothing from the heap; a stop is quick", "[heap]") {
   const fs::path cell = BELTPICK_E2E_CELL;
   const fs::path run = fs::temp_directory_path() / ("beltpick_heap_" + std::to_string(getpid()));
@@ -145,6 +157,10 @@ TEST_CASE("over twenty cycles the threads of the design take nothing from the he
 
   REQUIRE(done);
   CHECK(totals.offers > kCycles);
+  for (const std::string must_live : {"vision", "pose", "cycle", "plc", "supervisor", "trigger", "aravis-stream"}) {
+    INFO(must_live);
+    CHECK(std::any_of(counts.begin(), counts.end(), [&](const auto& count) { return count.thread == must_live; }));
+  }
   for (const heap::ThreadCount& count : counts) {
     const auto& name = count.thread;
     std::printf("  %-16s %7ld taken %7ld given back\n", name.c_str(), count.taken, count.given_back);
