@@ -58,7 +58,7 @@ Locator::Locator(Arena& arena, const Limits& limits, int workers)
 }
 
 LocateOutput Locator::locate(const LocateInput& input, std::span<const PartModel> models, const GripperShape& gripper) {
-  result::Scene scene{input.range, input.labels, input.lens, input.belt};
+  result::Scene scene{input.range, input.labels, input.lens, input.belt, input.projector_mm};
   scene.noise_mm = measurement_noise_mm(input.range, input.labels);
   accepted_count_ = tried_count_ = 0;
   book_.begin(scene, input.segments, least_area_mm2(models));

@@ -23,8 +23,9 @@ struct LocateInput {
   ImageView<const std::uint16_t> labels;
   std::span<const Segment> segments;
   std::optional<Plane> belt;
-  Lens lens;               // of the camera, or one fitted to a foreign cloud
-  std::uint64_t seed = 1;  // of the capture
+  Lens lens;                           // of the camera, or one fitted to a foreign cloud
+  std::uint64_t seed = 1;              // of the capture
+  std::optional<Vec3> projector_mm{};  // where the light stood, camera frame, where that is known
 };
 
 // Views of the locator's memory, valid until its next locate().

@@ -9,7 +9,8 @@
 namespace beltpick::result {
 namespace {
 
-enum class Finding : std::uint8_t { kMatched, kViolated, kOccluded, kMissing };
+// kContradicted: measured a little off the surface, in front or behind.
+enum class Finding : std::uint8_t { kMatched, kViolated, kOccluded, kContradicted, kMissing };
 
 struct Tolerance {
   float surface_mm;
@@ -23,7 +24,14 @@ Finding compare(const Vec3f& measured, const Vec3f& expected, const Vec3f& norma
   if (std::abs(normal.dot(apart)) < tolerance.surface_mm) return Finding::kMatched;
   const float behind = measured.norm() - expected.norm();
   if (behind > tolerance.free_space_mm) return Finding::kViolated;
-  return behind < 0.0F ? Finding::kOccluded : Finding::kMissing;
+  return behind < -tolerance.free_space_mm ? Finding::kOccluded : Finding::kContradicted;
+}
+
+// Whether the light falls on the surface: what is turned away from the projector is not measured.
+bool lit(const VisiblePoint& point, const std::optional<Vec3>& light_mm) {
+  if (!light_mm) return true;
+  const Vec3f toward = light_mm->cast<float>() - point.point_mm;
+  return point.normal.dot(toward) > 0.15F * toward.norm();
 }
 
 // The surface point against the pixels round it: matched if any matches, for a pose that is right may be a pixel off;
@@ -84,8 +92,9 @@ Evidence weigh(const Drawing& drawing, const PartModel& model, const PartPose& T
                             static_cast<float>(free_space_tolerance_mm(scene, model.spacing_mm))};
   const Lookup lookup(scene, model, T_camera_part, tolerance, std::max(1, drawing.factor() / 2));
   Evidence evidence;
-  double total = 0.0, inside = 0.0, matched = 0.0, violated = 0.0, occluded = 0.0, square_mm2 = 0.0;
+  double total = 0.0, inside = 0.0, matched = 0.0, violated = 0.0, occluded = 0.0, contradicted = 0.0, square_mm2 = 0.0;
   for (const VisiblePoint& point : drawing.visible()) {
+    if (!lit(point, scene.light_mm)) continue;
     total += point.area;
     if (!point.in_image) continue;
     inside += point.area;
@@ -100,6 +109,9 @@ Evidence weigh(const Drawing& drawing, const PartModel& model, const PartPose& T
       case Finding::kOccluded:
         occluded += point.area;
         break;
+      case Finding::kContradicted:
+        contradicted += point.area;
+        break;
       case Finding::kMissing:
         break;
     }
@@ -108,6 +120,7 @@ Evidence weigh(const Drawing& drawing, const PartModel& model, const PartPose& T
   evidence.support = share(matched, total);
   evidence.coverage = share(matched, inside - occluded);
   evidence.violated = share(violated, inside - occluded);
+  evidence.contradicted = share(contradicted + violated, matched + contradicted + violated);
   evidence.occluded = share(occluded, inside);
   evidence.continued = continued_outline(drawing, model, T_camera_part, scene, tolerance_mm);
   evidence.rms_mm = std::sqrt(share(square_mm2, matched));

@@ -9,14 +9,15 @@ namespace beltpick::result {
 
 // Shares are by area across the line of sight.
 struct Evidence {
-  double in_view = 0.0;    // of what the camera could see of the part, what lies inside the image
-  double support = 0.0;    // of what the camera could see of the part, what was measured where the pose says
-  double coverage = 0.0;   // the same, of what lies inside the image and behind nothing else
-  double violated = 0.0;   // of that, what was seen to be empty: measured clearly behind
-  double occluded = 0.0;   // of what lies inside the image, what something measured in front hides
-  double continued = 0.0;  // of the outline, where the object goes on as if it were larger than the part
-  double rms_mm = 0.0;     // of the measured points to the surface, where they support the pose
-  int points = 0;          // in sight and inside the image
+  double in_view = 0.0;       // of what the camera could see of the part, what lies inside the image
+  double support = 0.0;       // of what the camera could see of the part, what was measured where the pose says
+  double coverage = 0.0;      // the same, of what lies inside the image and behind nothing else
+  double violated = 0.0;      // of that, what was seen to be empty: measured clearly behind
+  double contradicted = 0.0;  // of what was measured at all there, what lies off the surface, in front or behind
+  double occluded = 0.0;      // of what lies inside the image, what something measured in front hides
+  double continued = 0.0;     // of the outline, where the object goes on as if it were larger than the part
+  double rms_mm = 0.0;        // of the measured points to the surface, where they support the pose
+  int points = 0;             // in sight and inside the image
 };
 
 // Looks up the part as it was drawn.

@@ -18,6 +18,12 @@ Result<void> judge(const Evidence& evidence, double tolerance_mm, const Requirem
                    "a wrong template",
                    100.0 * evidence.violated, 100.0 * required.violated);
   }
+  if (evidence.contradicted > required.contradicted) {
+    return failure(ResultCode::kResidualTooHigh,
+                   "%.0f %% of what was measured there lies off the surface, expected at most %.0f %%; a foreign or "
+                   "damaged part",
+                   100.0 * evidence.contradicted, 100.0 * required.contradicted);
+  }
   if (evidence.coverage < required.coverage) {
     return failure(ResultCode::kCoverageTooLow,
                    "%.0f %% of what should be visible was measured there, expected at least %.0f %%; hidden, shiny, or "
@@ -49,7 +55,8 @@ Result<void> judge(const Evidence& evidence, double tolerance_mm, const Requirem
 }
 
 double score(const Evidence& evidence) {
-  const double value = evidence.coverage * (1.0 - 4.0 * evidence.violated) * (1.0 - 0.5 * evidence.continued);
+  const double value = evidence.coverage * (1.0 - evidence.contradicted) * (1.0 - 4.0 * evidence.violated) *
+                       (1.0 - 0.5 * evidence.continued);
   return std::clamp(value, 0.0, 1.0);
 }
 

@@ -9,12 +9,13 @@ namespace beltpick::result {
 // What a pose must show. The same for every part and scene: shares need no tuning, and the distances they rest on
 // follow from noise and template (scene.hpp).
 struct Requirements {
-  double in_view = 0.40;    // least share of the part inside the image
-  double support = 0.25;    // least share of the part that was measured where the pose says
-  double coverage = 0.60;   // the same, of what could have been measured; shadows and highlights leave gaps
-  double violated = 0.05;   // greatest share seen to be empty
-  double continued = 0.45;  // greatest share of the outline beyond which the object goes on
-  int points = 60;          // least surface points in sight
+  double in_view = 0.40;       // least share of the part inside the image
+  double support = 0.25;       // least share of the part that was measured where the pose says
+  double coverage = 0.45;      // the same, of what could have been measured; shadows and highlights leave gaps
+  double contradicted = 0.15;  // greatest share of what was measured there that lies off the surface
+  double violated = 0.05;      // greatest share seen to be empty
+  double continued = 0.45;     // greatest share of the outline beyond which the object goes on
+  int points = 60;             // least surface points in sight
 };
 
 // Ok, or the reason as it goes into result.json. Errors: kPartlyOutOfView, kFreeSpaceViolated, kCoverageTooLow,

@@ -30,6 +30,7 @@ constexpr Command kCommands[] = {
     {"patterns", kSetUp, "write the images that the projector shows, and sequence.json", add_patterns},
     {"decode", kMeasure, "a capture to projector coordinates, and to a cloud", add_decode},
     {"teach", kSetUp, "make a part's template from its mesh or scan", add_teach},
+    {"locate", kMeasure, "parts and their poses in a capture or a cloud", add_locate},
     {"simulate", kTryOut, "write captures of the virtual cell, with their truth", add_simulate},
     {"registers", kReference, "print the PLC's registers and the result codes", add_registers},
 };
