@@ -1,5 +1,6 @@
 // Frames that stand where others belong.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdlib>
 
@@ -142,6 +143,26 @@ bool phase_at(const ProbeLevels& levels, int channel, int i, float& turn) {
   return std::hypot(sine, cosine) > 0.1F * (levels.high8[at] - levels.low8[at]);
 }
 
+// A phase frame's shift and weights, looked up once.
+struct FringeFrame {
+  int index = 0;
+  double cosine = 0.0, sine = 0.0, cosine_weight = 0.0, sine_weight = 0.0;
+};
+constexpr std::size_t kMaxFringeFrames = 64;
+
+std::size_t fringe_frames(const ProbeLevels& levels, int channel, std::array<FringeFrame, kMaxFringeFrames>& frames) {
+  std::size_t count = 0;
+  for (int f = 0; f < levels.frames() && count < frames.size(); ++f) {
+    const Accumulate& work = levels.plan->frames[static_cast<std::size_t>(f)].accumulate;
+    if (work.channel != channel) continue;
+    const FrameSpec& spec = levels.spec(f);
+    const double shift = spec.offset_rad + 2.0 * kPi * spec.step / spec.steps;
+    frames[count++] = {f, std::cos(shift), std::sin(shift), static_cast<double>(work.cosine_weight),
+                       static_cast<double>(work.sine_weight)};
+  }
+  return count;
+}
+
 }  // namespace
 
 bool gray_word(const ProbeLevels& levels, const GrayCode& code, int i, std::uint16_t& word) {
@@ -167,6 +188,9 @@ bool gray_word(const ProbeLevels& levels, const GrayCode& code, int i, std::uint
 Result<void> check_fringe(const ProbeLevels& levels, int channel) {
   const PhaseChannel& fringes = levels.plan->channels[static_cast<std::size_t>(channel)];
   if (fringes.frames < 4 || fringes.exposure_us != levels.exposure_us) return {};  // three frames always fit
+  std::array<FringeFrame, kMaxFringeFrames> frames;
+  const std::size_t count = fringe_frames(levels, channel, frames);
+  if (count != static_cast<std::size_t>(fringes.frames)) return {};
   double left = 0.0;
   double total = 0.0;
   int witnesses = 0;
@@ -179,18 +203,15 @@ Result<void> check_fringe(const ProbeLevels& levels, int channel) {
     double sine = 0.0;
     double along_cosine = 0.0;
     double along_sine = 0.0;
-    for (int f = 0; f < levels.frames(); ++f) {
-      const Accumulate& work = levels.plan->frames[static_cast<std::size_t>(f)].accumulate;
-      if (work.channel != channel) continue;
-      const FrameSpec& spec = levels.spec(f);
-      const double shift = spec.offset_rad + 2.0 * kPi * spec.step / spec.steps;
-      const double level8 = levels.level8(f, i);
+    for (std::size_t n = 0; n < count; ++n) {
+      const FringeFrame& frame = frames[n];
+      const double level8 = levels.level8(frame.index, i);
       sum += level8;
       squares += level8 * level8;
-      cosine += work.cosine_weight * level8;
-      sine += work.sine_weight * level8;
-      along_cosine += std::cos(shift) * level8;
-      along_sine -= std::sin(shift) * level8;
+      cosine += frame.cosine_weight * level8;
+      sine += frame.sine_weight * level8;
+      along_cosine += frame.cosine * level8;
+      along_sine -= frame.sine * level8;
     }
     // Equal shifts: what the fringe explains of the variance is its amplitude times the frames along it.
     const double variance = squares - sum * sum / fringes.frames;

@@ -1,7 +1,9 @@
 #include "range/axis_kernel.hpp"
 
+#include <algorithm>
 #include <cmath>
 
+#include "base/camera_noise.hpp"
 #include "base/kernel.hpp"
 
 namespace beltpick::range {
@@ -78,6 +80,46 @@ void depth_row(const AxisModel& model, const float* __restrict ray_u, const floa
     other_px[i] =
         (o * radial + 2.0F * m.tangential_ss * s * o + m.tangential_so * (r2 + 2.0F * o * o)) * m.focal_o + m.centre_o;
   }
+}
+
+BELTPICK_KERNEL
+void judge_row(const CodeNoise& noise, const float* __restrict modulation, const std::uint8_t* __restrict texture,
+               const float* __restrict mm_per_px, const float* __restrict other_px, int other_extent_px, float slack_px,
+               int count, float* __restrict depth_mm, float* __restrict sigma_px, float* __restrict sigma_mm) {
+  const float first_px = -0.5F - slack_px;
+  const float last_px = static_cast<float>(other_extent_px) - 0.5F + slack_px;
+  const float floor_squared = noise.floor_px * noise.floor_px;
+  const float slope_squared = noise.slope_px * noise.slope_px;
+  for (int i = 0; i < count; ++i) {
+    // The texture is what white light shows; a fringe's mean is half of it.
+    const float level_variance =
+        kCameraNoise.floor_variance + kCameraNoise.shot_variance_per_level * (0.5F * static_cast<float>(texture[i]));
+    const float amplitude = std::max(modulation[i], 1e-3F);
+    const float sigma = std::sqrt(floor_squared + slope_squared * level_variance / (amplitude * amplitude));
+    const bool lit = (other_px[i] > first_px) & (other_px[i] < last_px);
+    depth_mm[i] = lit ? depth_mm[i] : 0.0F;
+    sigma_px[i] = sigma;
+    sigma_mm[i] = sigma * mm_per_px[i];
+  }
+}
+
+BELTPICK_KERNEL
+int point_row(const float* __restrict ray_u, const float* __restrict ray_v, const float* __restrict depth_mm,
+              const float* __restrict sigma_depth_mm, int count, float* __restrict point_mm,
+              float* __restrict sigma_mm) {
+  int points = 0;
+  for (int i = 0; i < count; ++i) {
+    const float z = depth_mm[i];
+    const bool measured = z > 0.0F;
+    const float u = measured ? ray_u[i] : 0.0F;  // a pixel without a ray has NaN
+    const float v = measured ? ray_v[i] : 0.0F;
+    point_mm[3 * i] = u * z;
+    point_mm[3 * i + 1] = v * z;
+    point_mm[3 * i + 2] = z;
+    sigma_mm[i] = measured ? sigma_depth_mm[i] * std::sqrt(u * u + v * v + 1.0F) : 0.0F;
+    points += measured ? 1 : 0;
+  }
+  return points;
 }
 
 }  // namespace beltpick::range

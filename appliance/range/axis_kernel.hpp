@@ -2,7 +2,9 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 
+#include "base/stages.hpp"
 #include "contract/calibration.hpp"
 #include "contract/capture.hpp"
 
@@ -28,5 +30,15 @@ AxisModel axis_model(const Calibration& calibration, Axis axis);
 //   other_px   the projector coordinate along the other axis that follows
 void depth_row(const AxisModel& model, const float* ray_u, const float* ray_v, const float* code_px, int count,
                float* depth_mm, float* mm_per_px, float* other_px);
+
+// The noise to expect of a row of codes: sigma_px as CodeNoise says, sigma_mm = sigma_px * mm_per_px. Depths whose
+// other_px lies more than slack_px outside the other axis' extent, where the projector lights nothing, become 0.
+void judge_row(const CodeNoise& noise, const float* modulation, const std::uint8_t* texture, const float* mm_per_px,
+               const float* other_px, int other_extent_px, float slack_px, int count, float* depth_mm, float* sigma_px,
+               float* sigma_mm);
+
+// point_mm = depth ray; sigma along the ray; both 0 where the depth is 0. Returns the number of points.
+int point_row(const float* ray_u, const float* ray_v, const float* depth_mm, const float* sigma_depth_mm, int count,
+              float* point_mm, float* sigma_mm);
 
 }  // namespace beltpick::range

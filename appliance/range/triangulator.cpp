@@ -4,7 +4,6 @@
 #include <cmath>
 #include <limits>
 
-#include "base/camera_noise.hpp"
 #include "contract/result_codes.hpp"
 #include "range/lens_model.hpp"
 
@@ -14,11 +13,9 @@ namespace {
 // How far, in projector pixels, codes may stand from where the geometry puts them: calibration error and lens residue.
 constexpr float kModelSlackPx = 3.0F;
 constexpr float kAgreeSigmas = 5.0F;
-// A camera's footprint noise: none; a projector coordinate's: see CodeNoise.
-float code_sigma_px(const CodeNoise& noise, float modulation, float texture) {
-  const float level_sigma = std::sqrt(kCameraNoise.variance(0.5F * texture));
-  const float slope = noise.slope_px * level_sigma / std::max(modulation, 1e-3F);
-  return std::sqrt(noise.floor_px * noise.floor_px + slope * slope);
+
+ImageView<float> codes_of(const CodeImage& code, Axis axis) {
+  return axis == Axis::kColumn ? code.column_px : code.row_px;
 }
 
 }  // namespace
@@ -33,6 +30,8 @@ Triangulator::Triangulator(Arena& arena, int rows, int cols) : max_rows_(rows), 
     scratch.depth_mm = arena.take<float>("range scratch", static_cast<std::size_t>(cols));
     scratch.mm_per_px = arena.take<float>("range scratch", static_cast<std::size_t>(cols));
     scratch.other_px = arena.take<float>("range scratch", static_cast<std::size_t>(cols));
+    scratch.sigma_px = arena.take<float>("range scratch", static_cast<std::size_t>(cols));
+    scratch.sigma_mm = arena.take<float>("range scratch", static_cast<std::size_t>(cols));
   }
 }
 
@@ -62,52 +61,36 @@ Result<void> Triangulator::load(const Calibration& calibration) {
   return {};
 }
 
-void Triangulator::measure_axis(Axis axis, ImageView<float> code_px, int row) {
-  AxisScratch& scratch = scratch_[static_cast<std::size_t>(axis)];
-  if (code_px.empty()) {
-    std::fill(scratch.depth_mm.begin(), scratch.depth_mm.end(), 0.0F);
-    return;
-  }
+void Triangulator::measure_axis(Axis axis, const CodeImage& code, int row) {
+  const auto a = static_cast<std::size_t>(axis);
+  AxisScratch& scratch = scratch_[a];
   const std::size_t at = static_cast<std::size_t>(row) * static_cast<std::size_t>(cols_);
-  depth_row(models_[static_cast<std::size_t>(axis)], &ray_u_[at], &ray_v_[at], code_px.row(row), cols_,
-            scratch.depth_mm.data(), scratch.mm_per_px.data(), scratch.other_px.data());
+  depth_row(models_[a], &ray_u_[at], &ray_v_[at], codes_of(code, axis).row(row), cols_, scratch.depth_mm.data(),
+            scratch.mm_per_px.data(), scratch.other_px.data());
+  judge_row(axis == Axis::kColumn ? code.column_noise : code.row_noise, code.modulation.row(row), code.texture.row(row),
+            scratch.mm_per_px.data(), scratch.other_px.data(), extent_px_[1 - a], kModelSlackPx, cols_,
+            scratch.depth_mm.data(), scratch.sigma_px.data(), scratch.sigma_mm.data());
 }
 
-void Triangulator::combine_row(const CodeImage& code, int row) {
-  const std::array<const CodeNoise*, 2> noise = {&code.column_noise, &code.row_noise};
-  const std::array<ImageView<float>, 2> coded = {code.column_px, code.row_px};
-  std::size_t at = static_cast<std::size_t>(row) * static_cast<std::size_t>(cols_);
-  for (int col = 0; col < cols_; ++col, ++at) {
+void Triangulator::choose_axis(const CodeImage& code, int row) {
+  AxisScratch& column = scratch_[0];
+  const AxisScratch& rows = scratch_[1];
+  for (int col = 0; col < cols_; ++col) {
     const auto c = static_cast<std::size_t>(col);
-    point_mm_[at].setZero();
-    sigma_mm_[at] = 0.0F;
-    std::array<float, 2> sigma_px{}, sigma_mm{};
-    std::size_t best = 2;
-    bool measured = false;
-    for (std::size_t a = 0; a < 2; ++a) {
-      if (coded[a].empty() || std::isnan(coded[a](row, col))) continue;
-      measured = true;
-      sigma_px[a] = code_sigma_px(*noise[a], code.modulation(row, col), code.texture(row, col));
-      sigma_mm[a] = sigma_px[a] * scratch_[a].mm_per_px[c];
-      const bool lit = scratch_[a].other_px[c] > -kModelSlackPx - 0.5F &&
-                       scratch_[a].other_px[c] < static_cast<float>(extent_px_[1 - a]) - 0.5F + kModelSlackPx;
-      if (scratch_[a].depth_mm[c] > 0.0F && lit && (best == 2 || sigma_mm[a] < sigma_mm[best])) best = a;
+    const bool from_columns = column.depth_mm[c] > 0.0F;
+    const bool from_rows = rows.depth_mm[c] > 0.0F;
+    const bool prefer_rows = from_rows && (!from_columns || rows.sigma_mm[c] < column.sigma_mm[c]);
+    const float told_px = prefer_rows ? code.column_px(row, col) : code.row_px(row, col);
+    const float expected_px = prefer_rows ? rows.other_px[c] : column.other_px[c];
+    const float most_px = kModelSlackPx + kAgreeSigmas * (column.sigma_px[c] + rows.sigma_px[c]);
+    // Where the other axis has no code, told_px is NaN and contradicts nothing.
+    const bool contrary = (from_columns || from_rows) && std::fabs(told_px - expected_px) > most_px;
+    if (prefer_rows) {
+      column.depth_mm[c] = rows.depth_mm[c];
+      column.sigma_mm[c] = rows.sigma_mm[c];
     }
-    if (best == 2) {
-      counts_.outside_projector += measured ? 1 : 0;
-      continue;
-    }
-    const std::size_t other = 1 - best;
-    if (!coded[other].empty() && !std::isnan(coded[other](row, col))) {
-      const float off_px = std::fabs(coded[other](row, col) - scratch_[best].other_px[c]);
-      if (off_px > kModelSlackPx + kAgreeSigmas * (sigma_px[0] + sigma_px[1])) {
-        ++counts_.axes_disagree;
-        continue;
-      }
-    }
-    const Vec3f ray(ray_u_[at], ray_v_[at], 1.0F);
-    point_mm_[at] = scratch_[best].depth_mm[c] * ray;
-    sigma_mm_[at] = sigma_mm[best] * ray.norm();
+    if (contrary) column.depth_mm[c] = 0.0F;
+    counts_.axes_disagree += contrary ? 1 : 0;
   }
 }
 
@@ -119,15 +102,23 @@ Result<RangeImage> Triangulator::measure(const CodeImage& code) {
                    cols_, rows_, code.state.cols, code.state.rows);
   }
   counts_ = {};
+  const bool columns = !code.column_px.empty();
+  const bool rows = !code.row_px.empty();
   for (int row = 0; row < rows_; ++row) {
-    measure_axis(Axis::kColumn, code.column_px, row);
-    measure_axis(Axis::kRow, code.row_px, row);
-    combine_row(code, row);
+    if (columns) measure_axis(Axis::kColumn, code, row);
+    if (rows) measure_axis(Axis::kRow, code, row);
+    if (columns && rows) choose_axis(code, row);
+    const AxisScratch& chosen = scratch_[columns ? 0 : 1];
+    const std::size_t at = static_cast<std::size_t>(row) * static_cast<std::size_t>(cols_);
+    counts_.points += point_row(&ray_u_[at], &ray_v_[at], chosen.depth_mm.data(), chosen.sigma_mm.data(), cols_,
+                                point_mm_[at].data(), &sigma_mm_[at]);
   }
+  const auto coded =
+      static_cast<int>(std::count(code.state.data, code.state.data + code.state.size(), PixelState::kValid));
+  counts_.outside_projector = coded - counts_.points - counts_.axes_disagree;
   const RangeImage range{{point_mm_.data(), rows_, cols_}, {sigma_mm_.data(), rows_, cols_}, code.texture};
   counts_.flying = edges_.apply(range, code.modulation, focal_px_);
-  counts_.points = static_cast<int>(std::count_if(range.point_mm.data, range.point_mm.data + range.point_mm.size(),
-                                                  [](const Vec3f& point) { return point.z() > 0.0F; }));
+  counts_.points -= counts_.flying;
   return range;
 }
 

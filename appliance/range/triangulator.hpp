@@ -39,10 +39,11 @@ class Triangulator {
 
  private:
   struct AxisScratch {
-    std::span<float> depth_mm, mm_per_px, other_px;
+    std::span<float> depth_mm, mm_per_px, other_px, sigma_px, sigma_mm;
   };
-  void measure_axis(Axis axis, ImageView<float> code_px, int row);
-  void combine_row(const CodeImage& code, int row);
+  void measure_axis(Axis axis, const CodeImage& code, int row);
+  // Brings the better axis of each pixel into the columns' scratch.
+  void choose_axis(const CodeImage& code, int row);
 
   int max_rows_, max_cols_;
   std::span<float> ray_u_, ray_v_;
