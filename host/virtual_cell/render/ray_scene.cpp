@@ -4,7 +4,7 @@
 #include <limits>
 #include <stdexcept>
 
-#include <embree3/rtcore.h>
+#include "virtual_cell/render/embree.hpp"
 
 namespace beltpick::virtual_cell {
 namespace {
@@ -110,13 +110,11 @@ const std::vector<PartInstance>& RayScene::instances() const { return impl_->ins
 const ScenePart& RayScene::part(int index) const { return impl_->parts[index]; }
 
 RayHit RayScene::cast(const Vec3f& origin_mm, const Vec3f& direction) const {
-  RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
   RTCRayHit query{};
   query.ray = make_ray(origin_mm, direction, 0.0F, std::numeric_limits<float>::infinity());
   query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
   query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
-  rtcIntersect1(impl_->scene, &context, &query);
+  intersect(impl_->scene, query);
   RayHit hit;
   const float belt = impl_->to_belt(origin_mm, direction);
   const bool on_part = query.hit.geomID != RTC_INVALID_GEOMETRY_ID && (belt <= 0.0F || query.ray.tfar <= belt);
@@ -139,23 +137,18 @@ RayHit RayScene::cast(const Vec3f& origin_mm, const Vec3f& direction) const {
 }
 
 bool RayScene::blocked(const Vec3f& origin_mm, const Vec3f& direction) const {
-  RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
   RTCRay ray = make_ray(origin_mm, direction, 0.0F, 1.0F);
-  rtcOccluded1(impl_->scene, &context, &ray);
-  return ray.tfar < 0.0F;
+  return occluded(impl_->scene, ray);
 }
 
 bool RayScene::meets(int instance, const Vec3f& direction_from_camera, float& distance) const {
   const PartInstance& placed = impl_->instances[instance];
   const auto& to_part = impl_->T_part_camera[instance];
-  RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
   RTCRayHit query{};
   query.ray = make_ray(to_part.translation_mm.cast<float>(), to_part.rotation.cast<float>() * direction_from_camera,
                        0.0F, std::numeric_limits<float>::infinity());
   query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-  rtcIntersect1(impl_->part_scenes[placed.part], &context, &query);
+  intersect(impl_->part_scenes[placed.part], query);
   distance = query.ray.tfar;
   return query.hit.geomID != RTC_INVALID_GEOMETRY_ID;
 }
