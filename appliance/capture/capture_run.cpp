@@ -14,9 +14,10 @@ using protocol::Type;
 namespace {
 
 constexpr std::int64_t kLookEveryUs = 4'000;  // at signals, events and the clock while no frame comes
-constexpr std::int64_t kStallUs = 1'000'000;  // without frame or event, beyond the longest period
-constexpr std::int64_t kQuietUs = 60'000;     // without a frame: what was under way has arrived
+constexpr std::int64_t kStallUs = 1'200'000;  // without frame or event, beyond the longest period
 constexpr std::int64_t kRecoverUs = 600'000;
+constexpr std::int64_t kQuietUs = 60'000;             // without a frame: what was under way has arrived
+constexpr std::int64_t kQuietUnanchoredUs = 400'000;  // when a straggler could not be told from the next frame
 
 std::unexpected<Error> fault_of(Fault fault, unsigned frame) {
   const protocol::FaultEntry* entry = protocol::find_fault(fault);
@@ -51,7 +52,8 @@ struct CaptureRun::Progress {
   int frames = 0;
   int strobes = 0;
   bool done = false;
-  std::optional<std::uint64_t> last_id;
+  unsigned generation = 0;            // of the camera
+  std::uint32_t triggers_before = 0;  // camera pulses up to START
   std::int64_t started_us = monotonic_us();
   std::int64_t moved_us = monotonic_us();  // when the last frame or event came
   std::int64_t last_frame_us = 0;
@@ -78,7 +80,7 @@ Result<CaptureReport> CaptureRun::run_with(CameraLease& lease, const CapturePlan
   if (done) done = collect(lease, sink, cancel, progress);
   if (done) done = check_.judge(plan.frames);
   if (!done) return std::unexpected(done.error());
-  last_frame_id_ = progress.last_id;
+  missing_in_a_row_ = 0;
   return CaptureReport{progress.frames, progress.last_frame_us - progress.started_us, progress.last_frame_us};
 }
 
@@ -86,13 +88,16 @@ Result<void> CaptureRun::start(CameraLease& lease, const CapturePlan& plan, Prog
   if (plan_number_ != plan.number) check_.forget();
   plan_number_ = plan.number;
   check_.begin();
-  if (camera_generation_ != lease.generation()) last_frame_id_.reset();
-  camera_generation_ = lease.generation();
-  progress.last_id = last_frame_id_;
   discard_frames(lease);
-  if (trigger_.status().state == State::kFault) {
-    const Result<void> cleared = trigger_.clear();
-    if (!cleared) return cleared;
+  Result<void> done = trigger_.refresh_status();
+  if (done && trigger_.status().state == State::kFault) done = trigger_.clear();
+  if (!done) return done;
+  progress.generation = lease.generation();
+  progress.triggers_before = trigger_.status().trigger_number;
+  // Camera or firmware began to count anew.
+  if (anchor_ &&
+      (anchor_->camera_generation != progress.generation || progress.triggers_before < anchor_->trigger_number)) {
+    anchor_.reset();
   }
   while (trigger_.next_event()) {
   }
@@ -117,17 +122,23 @@ Result<void> CaptureRun::collect(CameraLease& lease, FrameSink& sink, const std:
   return {};
 }
 
-// The frame's number in the sequence follows from the ids: the camera counts every exposure, also of frames that were
-// lost.
+// The frame's place in the sequence: the camera counts every exposure, also of frames that were lost, and so does the
+// trigger. Below 0 it is a straggler of an earlier capture.
+std::int64_t CaptureRun::index_of(const Frame& frame, const Progress& progress) {
+  if (!anchor_) anchor_ = {frame.frame_id, progress.triggers_before + 1, progress.generation};
+  const std::int64_t trigger_number = anchor_->trigger_number + frames_between(anchor_->frame_id, frame.frame_id);
+  return trigger_number - progress.triggers_before - 1;
+}
+
 Result<void> CaptureRun::take_frame(const Frame& frame, FrameSink& sink, Progress& progress) {
-  const std::int64_t step = progress.last_id ? frames_between(*progress.last_id, frame.frame_id) : 1;
-  if (step <= 0) return {};  // a straggler of an earlier capture
-  if (step > 1) {
-    return failure(
-        ResultCode::kFrameMissing,
-        "frame %d of %d: expected frame id %llu, found %llu: %lld lost; check the network and its receive buffers",
-        progress.frames, progress.wanted(), static_cast<unsigned long long>(*progress.last_id + 1),
-        static_cast<unsigned long long>(frame.frame_id), static_cast<long long>(step - 1));
+  const std::int64_t index = index_of(frame, progress);
+  if (index < progress.frames) return {};
+  if (index > progress.frames) {
+    return failure(ResultCode::kFrameMissing,
+                   "frame %d of %d: lost, the camera's next one (id %llu) is frame %lld; check the network and its "
+                   "receive buffers",
+                   progress.frames, progress.wanted(), static_cast<unsigned long long>(frame.frame_id),
+                   static_cast<long long>(index));
   }
   if (frame.code == ResultCode::kFrameIncomplete) {
     return failure(
@@ -144,7 +155,7 @@ Result<void> CaptureRun::take_frame(const Frame& frame, FrameSink& sink, Progres
     return failure(ResultCode::kSequenceOrderWrong, "expected %d frames, found more; check the trigger line for noise",
                    progress.wanted());
   }
-  progress.last_id = frame.frame_id;
+  anchor_ = {frame.frame_id, progress.triggers_before + 1 + static_cast<std::uint32_t>(index), progress.generation};
   progress.moved_us = progress.last_frame_us = monotonic_us();
   check_.add(frame.image);
   sink.take(progress.frames++, frame.image);
@@ -193,10 +204,20 @@ Result<void> CaptureRun::judge_stall(const Progress& progress) {
                  progress.frames, progress.wanted());
 }
 
+// A camera that missed a pulse counts on from there without it: then the anchor is wrong.
+void CaptureRun::doubt_anchor(const Error& error) {
+  if (error.code == ResultCode::kFrameMissing) ++missing_in_a_row_;
+  const bool strobe_fault =
+      error.code >= code_of(Fault::kStrobeMissing) && error.code <= code_of(Fault::kStrobeTooShort);
+  if (!strobe_fault && error.code != ResultCode::kTriggerLost && missing_in_a_row_ < 2) return;
+  anchor_.reset();
+  missing_in_a_row_ = 0;
+}
+
 // Leaves trigger and camera as the next capture needs them. A camera that missed its trigger may be a dead one: then
 // that is the error to tell.
 Error CaptureRun::recover(CameraLease& lease, const Error& error) {
-  last_frame_id_.reset();
+  doubt_anchor(error);
   if (trigger_.connected()) static_cast<void>(trigger_.abort());
   const bool suspect = error.code == ResultCode::kFrameMissing || error.code == ResultCode::kCaptureTimeout ||
                        error.code == code_of(Fault::kStrobeMissing);
@@ -205,7 +226,7 @@ Error CaptureRun::recover(CameraLease& lease, const Error& error) {
   }
   const std::int64_t until_us = monotonic_us() + kRecoverUs;
   while (monotonic_us() < until_us) {
-    const std::optional<Frame> late = lease.wait_frame(kQuietUs);
+    const std::optional<Frame> late = lease.wait_frame(anchor_ ? kQuietUs : kQuietUnanchoredUs);
     if (!late) break;
     lease.requeue(*late);
   }

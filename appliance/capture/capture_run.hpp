@@ -54,17 +54,26 @@ class CaptureRun {
   Result<void> start(CameraLease& lease, const CapturePlan& plan, Progress& progress);
   Result<void> collect(CameraLease& lease, FrameSink& sink, const std::atomic<ResultCode>& cancel, Progress& progress);
   Result<void> take_frame(const Frame& frame, FrameSink& sink, Progress& progress);
+  std::int64_t index_of(const Frame& frame, const Progress& progress);
   Result<void> take_events(Progress& progress);
   Result<void> look_around(CameraLease& lease, const std::atomic<ResultCode>& cancel, Progress& progress);
   Result<void> judge_stall(const Progress& progress);
   Error recover(CameraLease& lease, const Error& error);
+  void doubt_anchor(const Error& error);
 
   Camera& camera_;
   TriggerLink& trigger_;
   FrameCheck check_;
-  unsigned plan_number_ = 0;                    // that the frame check learnt from
-  unsigned camera_generation_ = 0;              // that last_frame_id_ belongs to
-  std::optional<std::uint64_t> last_frame_id_;  // of the last capture, if it went well
+  // Which frame id belongs to which trigger number; holds from capture to capture, so that a straggler of a capture
+  // that failed is never taken for a frame of the next.
+  struct Anchor {
+    std::uint64_t frame_id = 0;
+    std::uint32_t trigger_number = 0;
+    unsigned camera_generation = 0;
+  };
+  std::optional<Anchor> anchor_;
+  int missing_in_a_row_ = 0;  // captures with missing frames; two of them discredit the anchor
+  unsigned plan_number_ = 0;  // that the frame check learnt from
 };
 
 }  // namespace beltpick::capture

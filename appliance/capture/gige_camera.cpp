@@ -14,7 +14,9 @@ namespace {
 
 constexpr int kFirstAnswerMs = 500;              // the network has to find the address first
 constexpr unsigned kPacketTimeoutUs = 20'000;    // before a packet is asked for again
-constexpr unsigned kFrameRetentionUs = 150'000;  // before a frame with holes is given up
+constexpr unsigned kFrameRetentionUs = 500'000;  // before a frame with holes is given up
+constexpr int kSocketBytes = 16 << 20;  // or what the kernel's limit allows, until the stream thread is scheduled
+constexpr double kResendShare = 1.0;    // of a frame's packets that may be asked for again: a late frame beats none
 
 // Calls an Aravis function with a GError behind its arguments and turns a failure into ours.
 template <class Call>
@@ -183,12 +185,10 @@ Result<void> GigeCamera::start_stream(std::span<std::uint8_t> memory) {
   return step(config_, ResultCode::kCameraLost, "start", [&](GError** e) { arv_camera_start_acquisition(camera_, e); });
 }
 
-// The socket takes what the kernel's limit allows: a burst must survive until the stream thread is scheduled.
 void GigeCamera::set_stream_options() {
-  const int burst_bytes = 4 * config_.width * config_.height;
   g_object_set(stream_, "packet-resend", ARV_GV_STREAM_PACKET_RESEND_ALWAYS, "packet-timeout", kPacketTimeoutUs,
-               "frame-retention", kFrameRetentionUs, "socket-buffer", ARV_GV_STREAM_SOCKET_BUFFER_FIXED,
-               "socket-buffer-size", burst_bytes, nullptr);
+               "frame-retention", kFrameRetentionUs, "packet-request-ratio", kResendShare, "socket-buffer",
+               ARV_GV_STREAM_SOCKET_BUFFER_FIXED, "socket-buffer-size", kSocketBytes, nullptr);
 }
 
 std::optional<Frame> GigeCamera::wait_frame(std::int64_t timeout_us) {

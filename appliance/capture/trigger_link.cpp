@@ -189,8 +189,7 @@ void TriggerLink::take_message() {
     identified_ = true;
     polled_us_ = 0;
   } else if (header.type == Type::kStatusReport) {
-    protocol::StatusReport report;
-    if (protocol::decode_payload(decoder_.message(), decoder_.size(), report)) take_status(report);
+    take_status(header);
   } else {
     take_event(header);
   }
@@ -200,16 +199,24 @@ void TriggerLink::take_reply(const protocol::Header& header) {
   protocol::Reply reply;
   if (!protocol::decode_payload(decoder_.message(), decoder_.size(), reply)) return;
   const std::lock_guard lock(mutex_);
-  if (!pending_.waiting || header.sequence != pending_.sequence) return;
-  pending_.refusal = reply.refusal;
+  settle_request(header.sequence, reply.refusal);
+}
+
+// With mutex_ held.
+void TriggerLink::settle_request(std::uint8_t sequence, Refusal refusal) {
+  if (!pending_.waiting || sequence != pending_.sequence) return;
+  pending_.refusal = refusal;
   changed_.notify_all();
 }
 
-void TriggerLink::take_status(const protocol::StatusReport& report) {
+void TriggerLink::take_status(const protocol::Header& header) {
+  protocol::StatusReport report;
+  if (!protocol::decode_payload(decoder_.message(), decoder_.size(), report)) return;
   {
     const std::lock_guard lock(mutex_);
     status_ = report;
     if (!connected_) next_arm_id_ = static_cast<std::uint16_t>(report.arm_id + 1);
+    settle_request(header.sequence, Refusal::kNone);
   }
   take_inputs(report.inputs);
   connected_ = true;
@@ -297,6 +304,8 @@ Result<std::uint16_t> TriggerLink::arm(protocol::Arm sequence) {
 Result<void> TriggerLink::start_sequence(std::uint16_t arm_id) {
   return request(Type::kStart, protocol::Start{arm_id}, "START");
 }
+
+Result<void> TriggerLink::refresh_status() { return request(Type::kStatus, protocol::Empty(), "STATUS"); }
 
 Result<void> TriggerLink::abort() { return request(Type::kAbort, protocol::Empty(), "ABORT"); }
 

@@ -64,6 +64,8 @@ class TriggerLink {
   // The latest STATUS of the firmware; at most poll_ms old while connected.
   [[nodiscard]] protocol::StatusReport status() const;
 
+  // Asks for a STATUS and waits for it: status() is then of now.
+  Result<void> refresh_status();
   // Arms the sequence under a new id, which is returned. kValueOutOfRange when the firmware says it cannot be run.
   Result<std::uint16_t> arm(protocol::Arm sequence);
   // kBeltMovedDuringCapture or kEmergencyStop when the interlocks forbid it.
@@ -92,8 +94,9 @@ class TriggerLink {
   void poll_firmware();
   void take_message();
   void take_reply(const protocol::Header& header);
+  void settle_request(std::uint8_t sequence, protocol::Refusal refusal);
   void take_event(const protocol::Header& header);
-  void take_status(const protocol::StatusReport& report);
+  void take_status(const protocol::Header& header);
   void take_fault(const protocol::FaultEvent& fault);
   void take_inputs(std::uint8_t inputs);
   bool write_frame(const std::uint8_t* frame, std::size_t size);

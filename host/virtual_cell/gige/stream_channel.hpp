@@ -68,7 +68,7 @@ class StreamChannel {
   void refuse(std::uint16_t block_id, std::uint32_t packet, const StreamDestination& destination);
   std::shared_ptr<const StreamFrame> recent(std::uint16_t block_id) const;
 
-  static constexpr std::size_t kKeptFrames = 8;
+  static constexpr std::size_t kKeptFrames = 32;
 
   int socket_;
   std::uint16_t port_;

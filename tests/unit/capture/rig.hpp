@@ -47,6 +47,7 @@ class Cell {
     settings.identity.height = kRows;
     settings.address = own_address();
     settings.fill = [this](ImageView<std::uint8_t> image, const virtual_cell::gige::Exposure& exposure) {
+      if (slow_frame-- == 0) std::this_thread::sleep_for(std::chrono::milliseconds(2500));
       patterns::render(image,
                        sequence_.frames[shown_[exposure.trigger_number % shown_.size()] % sequence_.frames.size()], {},
                        random_);
@@ -64,6 +65,8 @@ class Cell {
         }});
   }
 
+  std::function<void(int)> on_pulse;  // of the sequence that runs, from 0; set while none does
+  std::atomic<int> slow_frame{-1};    // frames until one whose readout takes longer than anybody waits
   std::unique_ptr<virtual_cell::gige::Camera> camera;
   std::unique_ptr<host::Board> board;
 
@@ -71,7 +74,9 @@ class Cell {
   void on_edge(const host::PinEdge& edge) {
     if (edge.pin == host::Pin::kBusy && edge.level) pattern_ = 0xFFFFFFFF;
     if (edge.pin == host::Pin::kProjectorAdvance && edge.level) ++pattern_;
+    if (edge.pin == host::Pin::kBusy) pulses_ = 0;
     if (edge.pin != host::Pin::kCameraTrigger) return;
+    if (edge.level && on_pulse) on_pulse(pulses_++);
     camera->line_edge(edge.level, edge.at_ns / 1000);
     if (!edge.level) board->set_strobe(false);
   }
@@ -79,6 +84,7 @@ class Cell {
   Sequence sequence_ = patterns::standard();
   std::vector<unsigned> shown_ = std::vector<unsigned>(256);
   unsigned pattern_ = 0;
+  int pulses_ = 0;
   Random random_{3};
 };
 
@@ -88,7 +94,7 @@ class Appliance : public capture::FrameSink {
   explicit Appliance(const Cell& cell)
       : plan_(*capture::make_plan(
             patterns::standard(),
-            {.exposure_us = 1000, .settle_us = 300, .readout_us = 3000, .strobe_tolerance_us = 800})),
+            {.exposure_us = 1000, .settle_us = 300, .readout_us = 6000, .strobe_tolerance_us = 800})),
         block_(measured()),
         arena_(block_.data(), block_.bytes()),
         camera(config(), arena_),
