@@ -40,7 +40,8 @@ bool same_place(const Candidate& a, const Candidate& b, const PartModel& model) 
 }
 
 double strength(const result::Evidence& e) {
-  return e.support * (1.0 - e.contradicted) * std::max(0.0, 1.0 - 4.0 * e.violated) * (1.0 - 0.5 * e.continued);
+  return e.support * (1.0 - e.contradicted) * std::max(0.0, 1.0 - 4.0 * e.violated) * (1.0 - 0.5 * e.continued) *
+         std::max(0.0, 1.0 - 4.0 * e.sunk);
 }
 
 result::Region region_of(const Object& object, int margin) {

@@ -9,6 +9,9 @@
 namespace beltpick::result {
 namespace {
 
+// A part is taken to lie under the belt only beyond this depth: belts are not flat.
+constexpr double kSunk_mm = 3.0;
+
 // kContradicted: measured a little off the surface, in front or behind.
 enum class Finding : std::uint8_t { kMatched, kViolated, kOccluded, kContradicted, kMissing };
 
@@ -123,8 +126,21 @@ Evidence weigh(const Drawing& drawing, const PartModel& model, const PartPose& T
   evidence.contradicted = share(contradicted + violated, matched + contradicted + violated);
   evidence.occluded = share(occluded, inside);
   evidence.continued = continued_outline(drawing, model, T_camera_part, scene, tolerance_mm);
+  if (scene.belt) evidence.sunk = sunk_share(model, T_camera_part, *scene.belt, tolerance_mm);
   evidence.rms_mm = std::sqrt(share(square_mm2, matched));
   return evidence;
+}
+
+double sunk_share(const PartModel& model, const PartPose& T_camera_part, const Plane& belt, double tolerance_mm) {
+  if (model.scattered.empty()) return 0.0;
+  // Height as a function of the part's own coordinates: one product a point.
+  const Vec3f slope = (T_camera_part.rotation.transpose() * belt.normal).cast<float>();
+  const auto zero = static_cast<float>(belt.height_mm(T_camera_part.translation_mm));
+  const auto lowest = static_cast<float>(-std::max(kSunk_mm, 4.0 * tolerance_mm));
+  const auto sunk = std::count_if(model.scattered.begin(), model.scattered.end(), [&](std::uint16_t index) {
+    return slope.dot(model.surface[index].point_mm) + zero < lowest;
+  });
+  return static_cast<double>(sunk) / static_cast<double>(model.scattered.size());
 }
 
 double first_impression(const PartModel& model, const PartPose& T_camera_part, const Scene& scene,
@@ -151,7 +167,9 @@ double first_impression(const PartModel& model, const PartPose& T_camera_part, c
     matched += finding == Finding::kMatched ? 1 : 0;
     violated += finding == Finding::kViolated ? 1 : 0;
   }
-  return judged == 0 ? -2.0 : (matched - 2.0 * violated) / (judged + 0.5 * unjudged);
+  if (judged == 0) return -2.0;
+  const double sunk = scene.belt ? sunk_share(model, T_camera_part, *scene.belt, tolerance_mm) : 0.0;
+  return std::max(-2.0, (matched - 2.0 * violated) / (judged + 0.5 * unjudged) - 2.0 * sunk);
 }
 
 }  // namespace beltpick::result

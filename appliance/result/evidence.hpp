@@ -16,12 +16,16 @@ struct Evidence {
   double contradicted = 0.0;  // of what was measured at all there, what lies off the surface, in front or behind
   double occluded = 0.0;      // of what lies inside the image, what something measured in front hides
   double continued = 0.0;     // of the outline, where the object goes on as if it were larger than the part
+  double sunk = 0.0;          // of the part's whole surface, what would lie under the belt
   double rms_mm = 0.0;        // of the measured points to the surface, where they support the pose
   int points = 0;             // in sight and inside the image
 };
 
 // Looks up the part as it was drawn.
 Evidence weigh(const Drawing& drawing, const PartModel& model, const PartPose& T_camera_part, const Scene& scene);
+
+// The share of the part's surface points that lies clearly under the belt, where no part can be.
+double sunk_share(const PartModel& model, const PartPose& T_camera_part, const Plane& belt, double tolerance_mm);
 
 // A first impression from the model's scattered points alone, without hidden surfaces removed: the share that was
 // measured where the pose says minus twice the share seen to be empty. What cannot be judged, being hidden or outside

@@ -18,6 +18,12 @@ Result<void> judge(const Evidence& evidence, double tolerance_mm, const Requirem
                    "a wrong template",
                    100.0 * evidence.violated, 100.0 * required.violated);
   }
+  if (evidence.sunk > required.sunk) {
+    return failure(ResultCode::kFreeSpaceViolated,
+                   "%.0f %% of the pose's surface lies under the belt, expected at most %.0f %%; too little in view to "
+                   "tell how the part lies",
+                   100.0 * evidence.sunk, 100.0 * required.sunk);
+  }
   if (evidence.contradicted > required.contradicted) {
     return failure(ResultCode::kResidualTooHigh,
                    "%.0f %% of what was measured there lies off the surface, expected at most %.0f %%; a foreign or "

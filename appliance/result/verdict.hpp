@@ -14,6 +14,7 @@ struct Requirements {
   double coverage = 0.45;      // the same, of what could have been measured; shadows and highlights leave gaps
   double contradicted = 0.15;  // greatest share of what was measured there that lies off the surface
   double violated = 0.05;      // greatest share seen to be empty
+  double sunk = 0.02;          // greatest share of the part under the belt
   double continued = 0.45;     // greatest share of the outline beyond which the object goes on
   int points = 60;             // least surface points in sight
 };
