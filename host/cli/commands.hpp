@@ -14,6 +14,8 @@ using Run = std::function<Result<void>(Session&)>;
 // Adds a command's options to `app` and returns what it does. Every command calls example(); --json is there already.
 Run add_patterns(CLI::App& app);
 Run add_decode(CLI::App& app);
+Run add_segment(CLI::App& app);
+Run add_primitives(CLI::App& app);
 Run add_locate(CLI::App& app);
 Run add_registers(CLI::App& app);
 Run add_teach(CLI::App& app);

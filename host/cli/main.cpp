@@ -29,6 +29,8 @@ constexpr const char* kTryOut = "Trying out without hardware";
 constexpr Command kCommands[] = {
     {"patterns", kSetUp, "write the images that the projector shows, and sequence.json", add_patterns},
     {"decode", kMeasure, "a capture to projector coordinates, and to a cloud", add_decode},
+    {"segment", kMeasure, "the objects of a capture or a cloud", add_segment},
+    {"primitives", kMeasure, "planes, cylinders and spheres of each object", add_primitives},
     {"teach", kSetUp, "make a part's template from its mesh or scan", add_teach},
     {"locate", kMeasure, "parts and their poses in a capture or a cloud", add_locate},
     {"simulate", kTryOut, "write captures of the virtual cell, with their truth", add_simulate},
