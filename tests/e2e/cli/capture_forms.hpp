@@ -1,39 +1,28 @@
 // One capture in every form that the design allows.
 #pragma once
 
-#include <zip.h>
-
 #include <filesystem>
 #include <functional>
 #include <string>
 
 #include "contract_io/capture_io.hpp"
 #include "contract_io/file_io.hpp"
+#include "support/capture_files.hpp"
 
 namespace beltpick::test {
 
 using Encode = std::function<std::string(const contract_io::GreyImage&)>;
 
-inline std::string little_endian(std::uint64_t value, int bytes) {
-  std::string out;
-  for (int i = 0; i < bytes; ++i, value >>= 8U) out += static_cast<char>(value & 0xffU);
-  return out;
-}
-
 // A paletted BMP whose palette runs backwards: entry i is grey 255 - i.
 inline std::string backwards_bmp(const contract_io::GreyImage& image) {
   std::string palette;
-  for (std::uint64_t i = 0; i < 256; ++i) palette += little_endian((255 - i) * 0x010101U, 4);
+  for (std::uint64_t i = 0; i < 256; ++i) palette += little((255 - i) * 0x010101U, 4);
   std::string pixels;
   for (int row = image.rows - 1; row >= 0; --row) {
     for (int col = 0; col < image.cols; ++col) pixels += static_cast<char>(255 - image.view8()(row, col));
     pixels.append(static_cast<std::size_t>(-image.cols & 3), '\0');
   }
-  const std::size_t at = 54 + palette.size();
-  return "BM" + little_endian(at + pixels.size(), 4) + little_endian(0, 4) + little_endian(at, 4) +
-         little_endian(40, 4) + little_endian(static_cast<std::uint64_t>(image.cols), 4) +
-         little_endian(static_cast<std::uint64_t>(image.rows), 4) + little_endian(1, 2) + little_endian(8, 2) +
-         little_endian(0, 24) + palette + pixels;
+  return bmp(image.cols, image.rows, 8, palette, pixels);
 }
 
 inline std::string deep_png(const contract_io::GreyImage& image) {
@@ -62,18 +51,6 @@ inline bool convert(const std::filesystem::path& from, const std::filesystem::pa
     if (!image || !contract_io::write_file(to / file, encode(*image))) return false;
   }
   return contract_io::write_capture(to / "capture.json", header).has_value();
-}
-
-inline bool zip_folder(const std::filesystem::path& folder, const std::filesystem::path& archive,
-                       const std::string& prefix) {
-  int error = 0;
-  zip_t* zip = zip_open(archive.c_str(), ZIP_CREATE | ZIP_TRUNCATE, &error);
-  if (zip == nullptr) return false;
-  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
-    zip_file_add(zip, (prefix + entry.path().filename().string()).c_str(),
-                 zip_source_file(zip, entry.path().c_str(), 0, -1), 0);
-  }
-  return zip_close(zip) == 0;
 }
 
 }  // namespace beltpick::test

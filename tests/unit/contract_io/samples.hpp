@@ -8,23 +8,9 @@
 
 #include "base/result.hpp"
 #include "contract_io/image_io.hpp"
+#include "support/capture_files.hpp"
 
 namespace beltpick::test {
-
-inline std::string little(std::uint64_t value, int bytes) {
-  std::string out;
-  for (int i = 0; i < bytes; ++i, value >>= 8U) out += static_cast<char>(value & 0xffU);
-  return out;
-}
-
-// A BMP with a 40-byte header around palette and pixel bytes.
-inline std::string bmp(int width, int height, int bits, const std::string& palette, const std::string& pixels,
-                       std::uint32_t compression = 0) {
-  const std::size_t at = 54 + palette.size();
-  return "BM" + little(at + pixels.size(), 4) + little(0, 4) + little(at, 4) + little(40, 4) +
-         little(static_cast<std::uint32_t>(width), 4) + little(static_cast<std::uint32_t>(height), 4) + little(1, 2) +
-         little(static_cast<std::uint64_t>(bits), 2) + little(compression, 4) + little(0, 20) + palette + pixels;
-}
 
 inline contract_io::GreyImage ramp8(int rows, int cols) {
   contract_io::GreyImage image;

@@ -1,4 +1,3 @@
-#include <zip.h>
 #include <catch2/catch.hpp>
 #include <cstdlib>
 #include <iostream>
@@ -23,17 +22,6 @@ void make_capture(const fs::path& folder) {
   fs::create_directories(folder);
   std::ofstream(folder / "capture.json") << kCaptureJson;
   for (const std::string& file : kFiles) REQUIRE(write_png(folder / file, ramp8(6, 8).view8()));
-}
-
-void make_zip(const fs::path& folder, const fs::path& archive, const std::string& prefix) {
-  int error = 0;
-  zip_t* zip = zip_open(archive.c_str(), ZIP_CREATE | ZIP_TRUNCATE, &error);
-  REQUIRE(zip != nullptr);
-  for (const auto& entry : fs::directory_iterator(folder)) {
-    zip_source_t* source = zip_source_file(zip, entry.path().c_str(), 0, -1);
-    REQUIRE(zip_file_add(zip, (prefix + entry.path().filename().string()).c_str(), source, 0) >= 0);
-  }
-  REQUIRE(zip_close(zip) == 0);
 }
 
 void reads_whole(const fs::path& path, const std::string& id) {
@@ -69,9 +57,9 @@ TEST_CASE("A capture is read from a folder, its json, and a zip of either form",
   reads_whole(folder / "lap 1", "lap 1");
   reads_whole(folder / "lap 1/", "lap 1");
   reads_whole(folder / "lap 1/capture.json", "lap 1");
-  make_zip(folder / "lap 1", folder / "root.zip", "");
+  REQUIRE(zip_folder(folder / "lap 1", folder / "root.zip", ""));
   reads_whole(folder / "root.zip", "root");
-  make_zip(folder / "lap 1", folder / "nested.zip", "lap 1/");
+  REQUIRE(zip_folder(folder / "lap 1", folder / "nested.zip", "lap 1/"));
   reads_whole(folder / "nested.zip", "nested");
 }
 
@@ -158,7 +146,7 @@ TEST_CASE("What is no capture is refused with what was found", "[capture]") {
   CHECK(refused(folder.file("b.zip", "PK\x03\x04 but no archive")).code == ResultCode::kFileUnreadable);
   CHECK(refused(folder.file("c.json", "{}")).code == ResultCode::kMemberMissing);
   make_capture(folder / "c");
-  make_zip(folder / "c", folder / "deep.zip", "a/b/");
+  REQUIRE(zip_folder(folder / "c", folder / "deep.zip", "a/b/"));
   CHECK(mentions(refused(folder / "deep.zip"), "in its one folder"));
 }
 
