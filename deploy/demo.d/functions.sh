@@ -69,7 +69,7 @@ free_camera_address() {
 }
 
 write_config() {
-  local file=$1 cell=$2 run=$3 camera=$4 port=$5
+  local file=$1 cell=$2 run=$3 camera=$4 port=$5 frames=$6
   cat >"$file" <<CONFIG
 [camera]
 id = "$camera"
@@ -82,10 +82,13 @@ recipes = ["$cell/recipe.json"]
 [plc]
 address = "127.0.0.1"
 port = $port
+[limits]
+frames = 22
+templates = 2
 [record]
 folder = "$run/pictures"
 pictures = true
-frames = "failed"
+frames = "$frames"
 summary = "$run/summary.json"
 CONFIG
 }
