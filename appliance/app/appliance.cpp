@@ -3,6 +3,7 @@
 #include <pthread.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
 #include <csignal>
 #include <cstdio>
@@ -62,6 +63,11 @@ capture::TriggerConfig trigger_config(const Settings& settings) {
   return config;
 }
 
+// The vision thread beats between its jobs: a capture of frames a second apart at the slowest, or locating.
+std::int64_t longest_job_ms(const Settings& settings) {
+  return std::max<std::int64_t>(settings.processing_timeout_ms, settings.limits.frames * 1000LL) + 10'000;
+}
+
 void name_thread(std::thread& thread, const char* name) { pthread_setname_np(thread.native_handle(), name); }
 
 sigset_t handled_signals() {
@@ -88,8 +94,7 @@ struct Appliance::Threads {
       : exchange(plc_exchange),
         server(std::move(modbus_server)),
         lines(of.stages_->trigger),
-        vision(of.stages_->work, of.log_,
-               watchdog.add("vision", of.settings_.processing_timeout_ms + 10'000, monotonic_us())),
+        vision(of.stages_->work, of.log_, watchdog.add("vision", longest_job_ms(of.settings_), monotonic_us())),
         controller(cycle_config(of.settings_), of.settings_.plc_timeout_ms * 1000LL,
                    {vision, lines, of.stages_->hub, exchange, of.log_, *of.book_}) {}
 
@@ -175,6 +180,7 @@ Result<int> Appliance::run() {
   threads->service = std::thread([this, &threads = *threads] {
     while (!threads.stop) {
       stages_->hub.serve(threads.vision.idle());
+      if (stages_->camera.state() == capture::CameraState::kReady) stages_->hub.check_camera(stages_->camera.serial());
       stages_->recorder.serve(stages_->hub, arena_.shares());
       std::this_thread::sleep_for(std::chrono::milliseconds(kServiceStep_ms));
     }

@@ -78,6 +78,7 @@ cycle::CycleInputs Controller::gather(std::int64_t now_us, const plc::PlcView& p
   in.plc_silent = plc.heard && now_us - plc.heartbeat_changed_us > plc_timeout_us_;
   in.model_code = to_.models.code();
   in.model_changed = to_.models.take_changed();
+  in.capture_time_us = to_.models.capture_time_us();
   in.workers_idle = to_.vision.idle() && to_.models.idle();
   in.capture = to_.vision.take_capture_outcome();
   in.locate = to_.vision.take_locate_outcome();

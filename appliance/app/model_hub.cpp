@@ -56,11 +56,14 @@ Result<void> ModelHub::load_active() {
   if (!loaded) return std::unexpected(loaded.error());
   if (const auto stored = store_.load(loaded->templates, settings_.gripper); !stored) return stored;
   loaded_ = std::move(*loaded);
+  capture_time_us_ = loaded_.plan.duration_us;
   return adopt_ ? adopt_(geometry_, loaded_) : Result<void>{};
 }
 
 Result<void> ModelHub::settle(const Result<void>& outcome) {
   code_ = outcome ? ResultCode::kOk : outcome.error().code;
+  wrong_camera_ = false;
+  checked_serial_.clear();
   if (!outcome) {
     log_.code(LogLevel::kFault, "no cycle can be started", outcome.error().code);
     log_.write(LogLevel::kFault, "%s", outcome.error().detail);
@@ -79,6 +82,25 @@ void ModelHub::serve(bool workers_idle) {
     (void)settle(load_active());
   }
   busy_ = false;
+}
+
+void ModelHub::check_camera(const std::string& serial) {
+  if (busy_ || serial.empty() || serial == checked_serial_) return;
+  checked_serial_ = serial;
+  const std::string& expected = geometry_.calibration.camera_serial;
+  const bool other = !expected.empty() && expected != serial;
+  if (other) {
+    log_.write(LogLevel::kFault,
+               "%s: camera_serial: expected '%s', the camera that answers is '%s'; calibrate this camera",
+               settings_.calibration.c_str(), expected.c_str(), serial.c_str());
+  }
+  if (other && code_ == ResultCode::kOk) {
+    code_ = ResultCode::kCalibrationMismatch;
+    wrong_camera_ = true;
+  } else if (!other && wrong_camera_) {
+    code_ = ResultCode::kOk;
+    wrong_camera_ = false;
+  }
 }
 
 void ModelHub::reload() {

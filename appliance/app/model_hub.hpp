@@ -5,6 +5,7 @@
 #include <atomic>
 #include <functional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "app/loaded_recipe.hpp"
@@ -28,6 +29,8 @@ class ModelHub : public Models {
 
   // The service thread's share: does the loading that was asked for, once `workers_idle`.
   void serve(bool workers_idle);
+  // The service thread's too: a calibration that names another camera than the one that answers is refused.
+  void check_camera(const std::string& serial);
   // From any thread: the files may have changed; load them anew.
   void reload();
 
@@ -35,6 +38,7 @@ class ModelHub : public Models {
   [[nodiscard]] std::uint16_t active_recipe() const override { return active_; }
   [[nodiscard]] bool knows_recipe(std::uint16_t number) const override;
   [[nodiscard]] ResultCode code() const override { return code_; }
+  [[nodiscard]] std::int64_t capture_time_us() const override { return capture_time_us_; }
   [[nodiscard]] bool idle() const override { return !busy_; }
   bool take_changed() override { return changed_.exchange(false); }
   void select_recipe(std::uint16_t number) override;
@@ -57,9 +61,12 @@ class ModelHub : public Models {
   Adopt adopt_;
   Geometry geometry_;
   std::vector<Recipe> recipes_;
+  std::string checked_serial_;  // of the camera judged last
+  bool wrong_camera_ = false;
   LoadedRecipe loaded_;
   std::atomic<std::uint16_t> active_{0};
   std::atomic<ResultCode> code_{ResultCode::kNoCalibration};
+  std::atomic<std::int64_t> capture_time_us_{0};
   std::atomic<bool> busy_{false};
   std::atomic<bool> changed_{false};
   std::atomic<bool> reload_{false};

@@ -26,6 +26,8 @@ class Models {
   [[nodiscard]] virtual bool knows_recipe(std::uint16_t number) const = 0;
   // Why the active recipe cannot be run; kOk when it can.
   [[nodiscard]] virtual ResultCode code() const = 0;
+  // What the active recipe's sequence takes, START to the last frame.
+  [[nodiscard]] virtual std::int64_t capture_time_us() const = 0;
   // False while a recipe is being loaded: no capture may start.
   [[nodiscard]] virtual bool idle() const = 0;
   // Whether calibration, cell, recipe or templates were swapped from outside since the last call.

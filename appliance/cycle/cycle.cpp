@@ -87,7 +87,9 @@ void Cycle::timer_events(const CycleInputs& in) {
       if (belt_.settled() && in.workers_idle) apply(CycleEvent::kSettled, ResultCode::kOk);
       break;
     case CellState::kCapturing:
-      if (in_state_us > config_.capture_timeout_us) apply(CycleEvent::kCaptureTimeout, ResultCode::kCaptureTimeout);
+      if (in_state_us > config_.capture_timeout_us + in.capture_time_us) {
+        apply(CycleEvent::kCaptureTimeout, ResultCode::kCaptureTimeout);
+      }
       break;
     case CellState::kProcessing:
       if (in_state_us > config_.processing_timeout_us) {

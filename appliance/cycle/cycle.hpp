@@ -18,7 +18,7 @@ namespace beltpick::cycle {
 
 struct CycleConfig {
   RestTimes rest{.settle_us = 200'000, .signals_agree_us = 500'000};
-  std::int64_t capture_timeout_us = 5'000'000;
+  std::int64_t capture_timeout_us = 3'000'000;  // beyond what the sequence takes
   std::int64_t processing_timeout_us = 20'000'000;
   std::int64_t max_age_us = 15'000'000;    // of an offer, from the moment it was made
   int max_failed_picks = 3;                // in a row within one cycle; then a person must look
@@ -51,6 +51,7 @@ struct CycleInputs {
   ResultCode device_code = ResultCode::kOk;  // why camera, trigger or a thread cannot work at this moment
   ResultCode model_code = ResultCode::kOk;   // why the active recipe cannot be run
   bool model_changed = false;                // since the last step
+  std::int64_t capture_time_us = 0;          // what the active recipe's sequence takes
   bool workers_idle = true;                  // neither capture nor processing is still winding down
   CaptureOutcome capture;
   LocateOutcome locate;

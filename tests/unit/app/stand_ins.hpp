@@ -54,6 +54,7 @@ class StandInModels : public Models {
   [[nodiscard]] std::uint16_t active_recipe() const override { return recipe; }
   [[nodiscard]] bool knows_recipe(std::uint16_t number) const override { return number == 1 || number == 2; }
   [[nodiscard]] ResultCode code() const override { return model_code; }
+  [[nodiscard]] std::int64_t capture_time_us() const override { return 500'000; }
   [[nodiscard]] bool idle() const override { return true; }
   bool take_changed() override { return std::exchange(changed, false); }
   void select_recipe(std::uint16_t number) override { recipe = number; }

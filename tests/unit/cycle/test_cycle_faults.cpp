@@ -118,8 +118,11 @@ TEST_CASE("a fault is not cleared while its cause stands, and keeps its first co
 
 TEST_CASE("captures and locating that do not end are ended", "[faults]") {
   CellDriver cell;
+  cell.in.capture_time_us = 1'000'000;
   cell.bring_to(CellState::kCapturing);
-  cell.step(cell.config.capture_timeout_us + 1);
+  cell.step(cell.config.capture_timeout_us + cell.in.capture_time_us - 1);
+  CHECK(cell.state() == CellState::kCapturing);
+  cell.step(2);
   CHECK(cell.status().fault_code == ResultCode::kCaptureTimeout);
   CHECK(cell.find(ActionKind::kAbortCapture) != nullptr);
   CellDriver other;
