@@ -43,7 +43,7 @@ struct Settings {
   std::string float_order = "high-first";
 
   GripperShape gripper;
-  Limits limits;
+  Limits limits{.templates = 2};  // what a cell needs mostly; each more takes 12 MB
 
   std::string record_folder;
   bool record_pictures = true;
