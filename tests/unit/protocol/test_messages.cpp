@@ -1,5 +1,7 @@
 #include <catch2/catch.hpp>
 #include <cstring>
+#include <fstream>
+#include <iterator>
 #include <string>
 #include <vector>
 
@@ -113,4 +115,15 @@ TEST_CASE("faults and refusals stand in their tables at their numbers", "[messag
   CHECK(find_fault(static_cast<Fault>(kFaultCount + 1)) == nullptr);
   for (std::uint8_t n = 1; n <= kRefusalCount; ++n) CHECK(kRefusalTable[n - 1].refusal == static_cast<Refusal>(n));
   CHECK(std::string(refusal_text(Refusal::kPeriodTooShort)).find("period") == 0);
+}
+
+TEST_CASE("PROTOCOL.md lists every fault under its number", "[messages]") {
+  std::ifstream file(BELTPICK_SOURCE_DIR "/trigger_fw/protocol/PROTOCOL.md");
+  const std::string page((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
+  REQUIRE_FALSE(page.empty());
+  for (const FaultEntry& entry : kFaultTable) {
+    const std::string row = "| " + std::to_string(static_cast<int>(entry.fault)) + " | " + entry.name + " |";
+    INFO(row);
+    CHECK(page.find(row) != std::string::npos);
+  }
 }
