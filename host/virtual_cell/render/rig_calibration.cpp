@@ -100,7 +100,8 @@ std::string identity_of(const Calibration& calibration) {
     for (const double number : {lens->fx_px, lens->fy_px, lens->cx_px, lens->cy_px}) add(number);
     for (const double number : lens->distortion) add(number);
   }
-  for (const double number : calibration.T_projector_camera.matrix().reshaped()) add(number);
+  const Mat4 projector_camera = calibration.T_projector_camera.matrix();
+  for (const double number : projector_camera.reshaped()) add(number);
   char text[32];
   std::snprintf(text, sizeof text, "virtual-%08x", static_cast<unsigned>(hash >> 32U));
   return text;
