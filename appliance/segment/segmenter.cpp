@@ -19,6 +19,7 @@ Segmenter::Segmenter(Arena& arena, const Limits& limits, CreaseCut creases)
     : plane_finder_(arena),
       components_(arena, limits.image_width * limits.image_height),
       cavities_(arena),
+      fragments_(arena),
       roster_(arena, limits.segments) {
   const auto pixels = static_cast<std::size_t>(limits.image_width) * static_cast<std::size_t>(limits.image_height);
   mask_ = arena.take<std::uint8_t>("segment: mask", pixels);
@@ -98,6 +99,7 @@ Segmented Segmenter::segment(const RangeImage& range, const SegmentOptions& opti
   if (result.belt) cavities_.join(range, height_mm_, result.belt->normal, scale, components_, count);
   if (options.cut_creases && creases_) creases_->cut(range, scale, components_, count, mask_, kMinPixels);
   return_poor_pixels(range, scale);
+  if (options.join_fragments) fragments_.join(range, components_);
   const int objects = roster_.list(range, components_.labels().first(range.point_mm.size()), height_mm_, labels_);
   result.segments = roster_.segments();
   result.left_out = objects - static_cast<int>(result.segments.size());

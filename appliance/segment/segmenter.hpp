@@ -10,6 +10,7 @@
 #include "segment/cavities.hpp"
 #include "segment/components.hpp"
 #include "segment/creases.hpp"
+#include "segment/fragments.hpp"
 #include "segment/roster.hpp"
 #include "segment/scale.hpp"
 #include "segment/support_plane.hpp"
@@ -22,6 +23,8 @@ struct SegmentOptions {
   // too: who knows the parts leaves it off and takes found parts away from what is joined.
   // Needs a segmenter made with CreaseCut::kAvailable.
   bool cut_creases = false;
+  // Joins small pieces that another object encloses to it. Who knows the parts leaves this off too.
+  bool join_fragments = false;
 };
 
 // Whether a segmenter takes the memory that cutting at creases needs (about 40 bytes a pixel).
@@ -51,6 +54,7 @@ class Segmenter {
   SupportPlaneFinder plane_finder_;
   Components components_;
   Cavities cavities_;
+  Fragments fragments_;
   Roster roster_;
   std::optional<Creases> creases_;
   std::span<std::uint8_t> mask_, opened_;
