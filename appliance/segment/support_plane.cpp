@@ -55,6 +55,16 @@ int SupportPlaneFinder::inliers(const Plane& plane, const Scale& scale) const {
   return count;
 }
 
+// Points that were seen farther away than the plane: nothing is seen through a belt.
+int SupportPlaneFinder::behind(const Plane& plane, const Scale& scale) const {
+  int count = 0;
+  for (std::size_t i = 0; i < count_; ++i) {
+    const Vec3 point = points_[i].cast<double>();
+    if (plane.height_mm(point) < -3.0 * tolerance_mm(scale, point.z())) ++count;
+  }
+  return count;
+}
+
 std::optional<Plane> SupportPlaneFinder::best_plane(const Scale& scale, const Plane* above) {
   Random random(1, count_);
   std::optional<Plane> best;
@@ -140,6 +150,7 @@ std::optional<SupportPlane> SupportPlaneFinder::find(const RangeImage& range, co
     const Plane plane = refined(*lower, scale);
     if (inliers(plane, scale) > kLowerShare * held) best = plane;
   }
+  if (behind(*best, scale) > inliers(*best, scale)) return {};
   return SupportPlane{*best, spread_mm(*best, scale)};
 }
 

@@ -20,7 +20,8 @@ class SupportPlaneFinder {
   explicit SupportPlaneFinder(Arena& arena);
 
   // The plane with the most points by MSAC, or one parallel to it farther away that has still a good share of them: the
-  // belt rather than the lid of a large box on it. Nothing where no plane holds a tenth of what was measured.
+  // belt rather than the lid of a large box on it. Nothing where no plane holds a tenth of what was measured, or more
+  // was seen behind it than on it.
   // Deterministic.
   std::optional<SupportPlane> find(const RangeImage& range, const Scale& scale);
 
@@ -33,6 +34,7 @@ class SupportPlaneFinder {
   [[nodiscard]] Plane refined(Plane plane, const Scale& scale) const;
   [[nodiscard]] double spread_mm(const Plane& plane, const Scale& scale);
   [[nodiscard]] int inliers(const Plane& plane, const Scale& scale) const;
+  [[nodiscard]] int behind(const Plane& plane, const Scale& scale) const;
 
   std::span<Vec3f> points_;
   std::span<float> residuals_;

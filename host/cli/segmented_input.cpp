@@ -34,7 +34,8 @@ Result<std::unique_ptr<SegmentedInput>> SegmentedInput::make(const SegmentChoice
   made->segmenter_ = std::make_unique<segment::Segmenter>(arena, limits, segment::CreaseCut::kAvailable);
 
   const Stopwatch watch;
-  made->objects_ = made->segmenter_->segment(made->input_->range(), {.cut_creases = !choices.keep_touching});
+  made->objects_ =
+      made->segmenter_->segment(made->input_->range(), {.cut_creases = !choices.keep_touching, .join_fragments = true});
   made->segment_ms_ = watch.elapsed_ms();
   if (made->objects_.left_out > 0) {
     session.warn({choices.input + ": " + std::to_string(made->objects_.left_out) + " objects beyond the limit of " +

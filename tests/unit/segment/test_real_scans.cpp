@@ -50,7 +50,7 @@ TEST_CASE("objects on a table in real scans are found as people mark them", "[se
     REQUIRE(cloud.has_value());
     const auto by_hand = contract_io::read_npy<std::uint8_t>(folder / (std::string(scan) + "_labels.npy"), {480, 640});
     REQUIRE(by_hand.has_value());
-    const auto found = segmenter->segment(cloud->view(), {.cut_creases = true});
+    const auto found = segmenter->segment(cloud->view(), {.cut_creases = true, .join_fragments = true});
     REQUIRE(found.belt.has_value());
     for (const double overlap : best_overlaps(found.labels, by_hand->values)) {
       INFO(scan << " " << overlap << ", segments: " << found.segments.size());

@@ -135,3 +135,25 @@ TEST_CASE("the same image gives the same labels", "[segment]") {
   REQUIRE(a.segments.size() == b.segments.size());
   CHECK(std::equal(a.labels.data, a.labels.data + a.labels.size(), b.labels.data));
 }
+
+TEST_CASE("a tall boss goes with its plate on demand, a box on a box of its size does not", "[segment]") {
+  const double boss_mm = GENERATE(18.0, 40.0);
+  const auto stacked = [boss_mm](double x, double y) {
+    if (std::abs(x) > 80 || std::abs(y) > 60) return 0.0;
+    return std::abs(x) < boss_mm && std::abs(y) < boss_mm ? 60.0 : 25.0;
+  };
+  View view(stacked, 0.0, 0.03, 2);
+  test::SegmenterWithMemory segmenter(small_limits());
+  CHECK(segmenter->segment(view.image()).segments.size() == 2);
+  const std::size_t wanted = boss_mm < 20 ? 1 : 2;
+  CHECK(segmenter->segment(view.image(), {.cut_creases = true, .join_fragments = true}).segments.size() == wanted);
+}
+
+TEST_CASE("an object without a plane to stand on is an object, not its own support", "[segment]") {
+  View view([](double x, double y) { return std::hypot(x, y) < 55 ? std::sqrt(60.0 * 60.0 - x * x - y * y) : -1e9; },
+            0.0, 0.05, 2);
+  test::SegmenterWithMemory segmenter(small_limits());
+  const auto found = segmenter->segment(view.image());
+  CHECK_FALSE(found.belt.has_value());
+  CHECK(found.segments.size() == 1);
+}
