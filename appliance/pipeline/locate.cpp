@@ -116,8 +116,21 @@ void Locator::settle(const result::Scene& scene, std::span<const PartModel> mode
     attempt.stage = Stage::kRank;
     attempt.reason = {};
   }
+  claim_ambiguous(scene, models, objects);
   for (std::size_t i = 0; i < objects.size(); ++i) {
     if (attempts_[i].reason.code != ResultCode::kOk) book_.failed(objects[i], attempts_[i].stage, attempts_[i].reason);
+  }
+}
+
+// A part is there, though its pose cannot be told: no other part may be made of its surface.
+void Locator::claim_ambiguous(const result::Scene& scene, std::span<const PartModel> models,
+                              std::span<const Object> objects) {
+  for (std::size_t i = 0; i < objects.size(); ++i) {
+    const Attempt& attempt = attempts_[i];
+    if (attempt.reason.code != ResultCode::kPoseAmbiguous || taken(scene, models, attempt.best)) continue;
+    const PartModel& model = models[static_cast<std::size_t>(attempt.best.model_index)];
+    drawing_.draw(model, attempt.best.alignment.T_camera_part, scene.lens);
+    book_.explain(scene, model, attempt.best.alignment.T_camera_part, drawing_.region());
   }
 }
 

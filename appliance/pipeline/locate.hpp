@@ -56,6 +56,7 @@ class Locator {
   void search(const result::Scene& scene, std::span<const PartModel> models, std::span<const Object> objects,
               std::uint64_t seed);
   void settle(const result::Scene& scene, std::span<const PartModel> models, std::span<const Object> objects);
+  void claim_ambiguous(const result::Scene& scene, std::span<const PartModel> models, std::span<const Object> objects);
   [[nodiscard]] bool taken(const result::Scene& scene, std::span<const PartModel> models,
                            const Candidate& candidate) const;
   void rank(const result::Scene& scene, std::span<const PartModel> models, const GripperShape& gripper);

@@ -135,7 +135,9 @@ void ObjectBook::failed(const Object& object, Stage stage, const Error& reason) 
   for (int i = 0; i < object.label_count; ++i) {
     Entry* e = entry(object.labels[i]);
     if (e == nullptr) continue;
+    const bool known = e->reason.code == ResultCode::kPoseAmbiguous;
     e->failed = true;
+    if (known) continue;  // what is left of an ambiguous part adds nothing
     e->stage = stage;
     e->reason = reason;
   }
@@ -146,7 +148,10 @@ std::size_t ObjectBook::withheld(std::span<WithheldObject> out) const {
   for (const Entry& e : entries_.first(entry_count_)) {
     const bool explained = e.segment.pixels < (1.0 - kExplainedShare) * e.pixels_at_start ||
                            (e.segment.pixels < e.pixels_at_start && e.area_mm2 < least_area_mm2_);
-    if (!explained && e.failed && count < out.size()) out[count++] = {e.segment.label, e.stage, e.reason};
+    // What an ambiguous pose explains is explained by nothing that is offered.
+    const bool ambiguous = e.reason.code == ResultCode::kPoseAmbiguous;
+    if ((ambiguous || (!explained && e.failed)) && count < out.size())
+      out[count++] = {e.segment.label, e.stage, e.reason};
   }
   return count;
 }

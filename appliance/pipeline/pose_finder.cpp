@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include <Eigen/Eigenvalues>
+
 #include "base/units.hpp"
 #include "contract/pose_difference.hpp"
 #include "contract/result_codes.hpp"
@@ -42,6 +44,34 @@ bool same_place(const Candidate& a, const Candidate& b, const PartModel& model) 
 double strength(const result::Evidence& e) {
   return e.support * (1.0 - e.contradicted) * std::max(0.0, 1.0 - 4.0 * e.violated) * (1.0 - 0.5 * e.continued) *
          std::max(0.0, 1.0 - 4.0 * e.sunk);
+}
+
+// How many of the best candidates are finished, and what share of the best one's strength they must have.
+constexpr int kFinished = 4;
+constexpr double kWorthFinishing = 0.5;
+// A rival below this share of the champion's strength has lost already.
+constexpr double kRivalStrength = 0.8;
+constexpr int kFinishedRivals = 4;
+
+// The covariance counts random errors alone; a freedom that they leave this uncertain is not determined.
+constexpr double kUndetermined_mm = 0.3;
+constexpr double kUndetermined_rad = 0.006;
+
+// Whether the measured surface and outline hold the part in place, but for turns that do not change it.
+bool determined(const Candidate& candidate, const PartModel& model) {
+  if (model.sphere) return true;
+  const auto& covariance = candidate.alignment.covariance;
+  Mat3 turns = covariance.topLeftCorner<3, 3>();
+  Eigen::SelfAdjointEigenSolver<Mat3> slide, turn;
+  if (model.revolution) {
+    const Vec3 axis = candidate.alignment.T_camera_part.rotation * model.axis_direction;
+    const Mat3 across = Mat3::Identity() - axis * axis.transpose();
+    turns = across * turns * across;
+  }
+  slide.computeDirect(Mat3(covariance.bottomRightCorner<3, 3>()), Eigen::EigenvaluesOnly);
+  turn.computeDirect(turns, Eigen::EigenvaluesOnly);
+  return slide.eigenvalues().maxCoeff() < kUndetermined_mm * kUndetermined_mm &&
+         turn.eigenvalues().maxCoeff() < kUndetermined_rad * kUndetermined_rad;
 }
 
 result::Region region_of(const Object& object, int margin) {
@@ -197,6 +227,17 @@ void PoseFinder::finish(const Context& context, Candidate& candidate) {
   weigh(context, candidate);
 }
 
+void PoseFinder::sort_by_strength() {
+  const auto first = candidates_.begin();
+  const auto stronger = [](const Candidate& a, const Candidate& b) { return a.strength > b.strength; };
+  // A stable sort of few by insertion: std::stable_sort takes its buffer from the heap.
+  for (auto next = first; next != first + candidate_count_; ++next) {
+    std::rotate(std::upper_bound(first, next, *next, stronger), next, next + 1);
+  }
+}
+
+// The strongest candidates are finished and judged in turn, until one is verified; what the strongest lacked is the
+// reason where none is.
 Attempt PoseFinder::decide(const Context& context) {
   Attempt attempt;
   if (candidate_count_ == 0) {
@@ -205,38 +246,55 @@ Attempt PoseFinder::decide(const Context& context) {
         failure(ResultCode::kNoHypothesis, "no template fits; a foreign object, or a part not taught").error();
     return attempt;
   }
-  const auto first = candidates_.begin();
-  const auto stronger = [](const Candidate& a, const Candidate& b) { return a.strength > b.strength; };
-  // A stable sort of few by insertion: std::stable_sort takes its buffer from the heap.
-  for (auto next = first; next != first + candidate_count_; ++next) {
-    std::rotate(std::upper_bound(first, next, *next, stronger), next, next + 1);
-  }
-  Candidate champion = candidates_.front();
-  finish(context, champion);
-  attempt.best = champion;
-  const PartModel& model = context.models[static_cast<std::size_t>(champion.model_index)];
-  const auto verdict = result::judge(champion.evidence, result::surface_tolerance_mm(context.scene, model.spacing_mm),
-                                     result::Requirements{});
-  if (!verdict) {
-    attempt.reason = verdict.error();
-  } else if (!beats_rivals(context, champion)) {
-    attempt.reason =
-        failure(ResultCode::kPoseAmbiguous, "another pose fits as well; wait for a better view of the part").error();
-  } else {
-    attempt.verified = true;
+  sort_by_strength();
+  int finished = 0;
+  for (int i = 0; i < candidate_count_ && finished < kFinished; ++i) {
+    const Candidate& candidate = candidates_[static_cast<std::size_t>(i)];
+    if (candidate.strength < kWorthFinishing * candidates_.front().strength) break;
+    Candidate champion = candidate;
+    finish(context, champion);
+    const bool first = finished++ == 0;
+    const auto verdict = trial(context, champion, i);
+    if (verdict || first || verdict.error().code == ResultCode::kPoseAmbiguous) {
+      attempt.best = champion;
+      attempt.verified = verdict.has_value();
+      if (!verdict) attempt.reason = verdict.error();
+    }
+    if (verdict || verdict.error().code == ResultCode::kPoseAmbiguous) break;
   }
   return attempt;
 }
 
-bool PoseFinder::beats_rivals(const Context& context, const Candidate& champion) const {
+Result<void> PoseFinder::trial(const Context& context, const Candidate& champion, int index) {
+  const PartModel& model = context.models[static_cast<std::size_t>(champion.model_index)];
+  const auto verdict = result::judge(champion.evidence, result::surface_tolerance_mm(context.scene, model.spacing_mm),
+                                     result::Requirements{});
+  if (!verdict) return verdict;
+  if (!determined(champion, model)) {
+    return failure(ResultCode::kPoseAmbiguous,
+                   "what is in view lets the part slide or turn; wait for a better view of it");
+  }
+  if (!beats_rivals(context, champion, index)) {
+    return failure(ResultCode::kPoseAmbiguous, "another pose fits as well; wait for a better view of the part");
+  }
+  return {};
+}
+
+bool PoseFinder::beats_rivals(const Context& context, const Candidate& champion, int index) {
   const auto& model = context.models[static_cast<std::size_t>(champion.model_index)];
-  for (int i = 0; i < candidate_count_; ++i) {
-    const Candidate& rival = candidates_[static_cast<std::size_t>(i)];
-    if (same_place(champion, rival, model) || rival.strength < 0.8 * champion.strength) continue;
+  int finished = 0;
+  for (int i = 0; i < candidate_count_ && finished < kFinishedRivals; ++i) {
+    Candidate rival = candidates_[static_cast<std::size_t>(i)];
+    if (i == index || rival.strength < kRivalStrength * champion.strength || same_place(champion, rival, model))
+      continue;
+    // Small differences decide: both must be aligned as well as can be.
+    finish(context, rival);
+    ++finished;
+    if (rival.strength < kRivalStrength * champion.strength || same_place(champion, rival, model)) continue;
     const auto& other = context.models[static_cast<std::size_t>(rival.model_index)];
     const result::Rivalry rivalry =
         result::compare({model, champion.alignment.T_camera_part}, {other, rival.alignment.T_camera_part},
-                        context.scene, region_of(context.object, 20), 2);
+                        context.scene, region_of(context.object, 20), 1);
     if (rivalry.same_object() && !result::prevails(rivalry)) return false;
   }
   return true;

@@ -68,7 +68,9 @@ class PoseFinder {
   void weigh(const Context& context, Candidate& candidate);
   void finish(const Context& context, Candidate& candidate);
   Attempt decide(const Context& context);
-  bool beats_rivals(const Context& context, const Candidate& champion) const;
+  Result<void> trial(const Context& context, const Candidate& champion, int index);
+  bool beats_rivals(const Context& context, const Candidate& champion, int index);
+  void sort_by_strength();
 
   std::span<OrientedPoint> sample_;
   std::size_t sample_count_ = 0;

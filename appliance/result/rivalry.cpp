@@ -56,10 +56,10 @@ Rivalry compare(const Rival& first, const Rival& second, const Scene& scene, con
 }
 
 bool prevails(const Rivalry& rivalry) {
-  const int total = rivalry.both + rivalry.only_first + rivalry.only_second;
-  // Twelve pixels or half a percent are more than edge effects; two to one is more than chance.
-  const int least = std::max(12, total / 200);
-  return rivalry.only_first >= least && rivalry.only_first >= 2 * rivalry.only_second;
+  // Along edges a pixel falls to the one or the other by chance: four standard deviations of that, and a few pixels.
+  const double lead = rivalry.only_first - rivalry.only_second;
+  const double chance = std::sqrt(static_cast<double>(rivalry.only_first + rivalry.only_second));
+  return lead > 10.0 + 4.0 * chance;
 }
 
 }  // namespace beltpick::result

@@ -11,8 +11,8 @@ namespace beltpick::result {
 struct Requirements {
   double in_view = 0.40;       // least share of the part inside the image
   double support = 0.25;       // least share of the part that was measured where the pose says
-  double coverage = 0.45;      // the same, of what could have been measured; shadows and highlights leave gaps
-  double contradicted = 0.15;  // greatest share of what was measured there that lies off the surface
+  double coverage = 0.50;      // the same, of what could have been measured; shadows and highlights leave gaps
+  double contradicted = 0.02;  // greatest share of what was measured there that lies off the surface
   double violated = 0.05;      // greatest share seen to be empty
   double sunk = 0.02;          // greatest share of the part under the belt
   double continued = 0.45;     // greatest share of the outline beyond which the object goes on
