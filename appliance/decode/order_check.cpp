@@ -48,23 +48,28 @@ std::size_t collect_steps(const ProbeLevels& levels, const GrayCode& code, std::
   return jumps * kCoarse > count ? 0 : count;
 }
 
-// Of the steps at which `bit` changes (any where kNone): how many, and how many lead to the next cell.
+// Of the steps at which `bit` changes (any where kNone): how many, how many lead to the next cell of the projector, and
+// how many begin or end beyond its last.
 struct StepCount {
-  int all = 0, legal = 0;
+  int all = 0, legal = 0, beyond = 0;
 
   [[nodiscard]] double legal_share() const { return all == 0 ? 1.0 : legal / static_cast<double>(all); }
 };
 
 // `remap` is applied to both words first.
 template <class Remap>
-StepCount count_steps(std::span<const WordStep> steps, int bit, Remap remap) {
+StepCount count_steps(std::span<const WordStep> steps, int cells, int bit, Remap remap) {
   StepCount count;
   for (const WordStep& step : steps) {
     const unsigned before = remap(step.before);
     const unsigned after = remap(step.after);
     if (bit != kNone && (before ^ after) != 1U << static_cast<unsigned>(bit)) continue;
+    const int from = binary_from_gray(before);
+    const int to = binary_from_gray(after);
+    const bool inside = std::max(from, to) < cells;
     ++count.all;
-    count.legal += std::abs(binary_from_gray(before) - binary_from_gray(after)) == 1 ? 1 : 0;
+    count.legal += inside && std::abs(from - to) == 1 ? 1 : 0;
+    count.beyond += inside ? 0 : 1;
   }
   return count;
 }
@@ -96,12 +101,13 @@ struct Remedy {
   double legal_share = 0.0;
 };
 
-Remedy find_remedy(std::span<const WordStep> steps, unsigned bits) {
+Remedy find_remedy(std::span<const WordStep> steps, const GrayCode& code) {
+  const auto bits = static_cast<unsigned>(code.bits.size());
   Remedy best;
   for (unsigned a = 0; a < bits; ++a) {
     for (unsigned b = a; b < bits; ++b) {
       const auto mended = [&](unsigned word) { return a == b ? word ^ (1U << a) : exchanged(word, a, b); };
-      const double share = count_steps(steps, kNone, mended).legal_share();
+      const double share = count_steps(steps, code.cells, kNone, mended).legal_share();
       if (share > best.legal_share) best = {a, b, share};
     }
   }
@@ -113,7 +119,7 @@ std::unexpected<Error> explain(const ProbeLevels& levels, Axis axis, const GrayC
   constexpr double kExplained = 0.9;
   if (const int dark = dark_frame(levels, code); dark != kNone) return black_frame(levels, dark);
   const char* along = axis == Axis::kColumn ? "column" : "row";
-  const Remedy remedy = find_remedy(steps, static_cast<unsigned>(code.bits.size()));
+  const Remedy remedy = find_remedy(steps, code);
   if (remedy.legal_share >= kExplained && remedy.a == remedy.b) {
     return failure(ResultCode::kSequenceOrderWrong, "the Gray frame %s (%s axis) looks inverted",
                    frame_of(levels, code.bits[remedy.a]), along);
@@ -125,7 +131,8 @@ std::unexpected<Error> explain(const ProbeLevels& levels, Axis axis, const GrayC
   return failure(ResultCode::kSequenceOrderWrong,
                  "the Gray frames of the %s axis do not fit their declared order: only %.0f %% of the steps between "
                  "neighbours lead to the next cell; check the frame list, and whether a frame is missing or doubled",
-                 along, 100.0 * count_steps(steps, kNone, [](unsigned word) { return word; }).legal_share());
+                 along,
+                 100.0 * count_steps(steps, code.cells, kNone, [](unsigned word) { return word; }).legal_share());
 }
 
 // Phase of `channel` at probe i, in turns; false where the fringe is too weak.
@@ -233,14 +240,17 @@ Result<void> check_fringe(const ProbeLevels& levels, int channel) {
 Result<void> check_gray(const ProbeLevels& levels, Axis axis, const GrayCode& code, std::span<WordStep> steps) {
   constexpr int kLeastSteps = 40;
   constexpr double kLeastLegal = 0.7;
+  constexpr double kMostBeyond = 0.1;  // the highest bits exchanged leave most steps legal, but lead too far
   constexpr int kLeastBitSteps = 8;
   constexpr double kLeastBitLegal = 0.3;
   const auto same = [](unsigned word) { return word; };
   const std::span<const WordStep> found = steps.first(collect_steps(levels, code, steps));
-  const StepCount all = count_steps(found, kNone, same);
-  if (all.all >= kLeastSteps && all.legal_share() < kLeastLegal) return explain(levels, axis, code, found);
+  const StepCount all = count_steps(found, code.cells, kNone, same);
+  if (all.all >= kLeastSteps && (all.legal_share() < kLeastLegal || all.beyond > kMostBeyond * all.all)) {
+    return explain(levels, axis, code, found);
+  }
   for (int bit = 0; bit < static_cast<int>(code.bits.size()); ++bit) {
-    const StepCount count = count_steps(found, bit, same);
+    const StepCount count = count_steps(found, code.cells, bit, same);
     if (count.all >= kLeastBitSteps && count.legal_share() < kLeastBitLegal) {
       return explain(levels, axis, code, found);
     }

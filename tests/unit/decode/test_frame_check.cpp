@@ -16,20 +16,26 @@ struct Captured {
   Images images;
 };
 
-// Frames: 0-7 phase, 8-14 Gray (bit 6 first), 15 white, 16 black.
-Captured capture_example() {
-  Captured captured;
-  captured.sequence.projector = {912, 1140};
-  add_phases(captured.sequence, Axis::kColumn, 18, 8);
-  add_gray(captured.sequence, Axis::kColumn, 9);
-  captured.sequence.frames.push_back(plain_frame(FrameKind::kWhite));
-  captured.sequence.frames.push_back(plain_frame(FrameKind::kBlack));
+// Images of a textured scene under `sequence`, in files f0.png, f1.png, ...
+Captured capture_of(const Sequence& sequence) {
+  Captured captured{sequence, {}};
   int number = 0;
   for (FrameSpec& frame : captured.sequence.frames) frame.file = "f" + std::to_string(number++) + ".png";
   Scene scene = make_scene(captured.sequence.projector, 60, 640, 3);
   for (std::size_t i = 0; i < scene.gain.size(); ++i) scene.gain[i] = 20.0 + 0.8 * scene.gain[i];
   captured.images = image_sequence(captured.sequence, scene, {.blur_px = 1.0});
   return captured;
+}
+
+// Frames: 0-7 phase, 8-14 Gray (bit 6 first), 15 white, 16 black.
+Captured capture_example() {
+  Sequence sequence;
+  sequence.projector = {912, 1140};
+  add_phases(sequence, Axis::kColumn, 18, 8);
+  add_gray(sequence, Axis::kColumn, 9);
+  sequence.frames.push_back(plain_frame(FrameKind::kWhite));
+  sequence.frames.push_back(plain_frame(FrameKind::kBlack));
+  return capture_of(sequence);
 }
 
 Error decode_error(const Captured& captured) {
@@ -82,6 +88,15 @@ TEST_CASE("exchanged frames are named") {
   Captured captured = capture_example();
   std::swap(captured.images.frames[15], captured.images.frames[16]);
   check_error(captured, ResultCode::kSequenceOrderWrong, "f15.png is declared white");
+}
+
+TEST_CASE("the highest Gray frames exchanged lead beyond the projector") {
+  const auto sequence = make_sequence(SequenceName::kStandard, {912, 1140}, SequenceAxes::kColumn);
+  REQUIRE(sequence);
+  Captured captured = capture_of(*sequence);
+  CHECK(decode_error(captured).code == ResultCode{});
+  std::swap(captured.images.frames[8], captured.images.frames[9]);
+  check_error(captured, ResultCode::kSequenceOrderWrong, "f8.png and f9.png");
 }
 
 TEST_CASE("phase frames out of order are told by their period") {
