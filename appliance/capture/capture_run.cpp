@@ -38,6 +38,10 @@ std::unexpected<Error> cancelled(ResultCode code) {
                  static_cast<int>(remedy.size()), remedy.data());
 }
 
+bool is_strobe_fault(ResultCode code) {
+  return code >= code_of(Fault::kStrobeMissing) && code <= code_of(Fault::kStrobeTooShort);
+}
+
 void discard_frames(CameraLease& lease) {
   while (const std::optional<Frame> frame = lease.wait_frame(0)) lease.requeue(*frame);
 }
@@ -207,20 +211,18 @@ Result<void> CaptureRun::judge_stall(const Progress& progress) {
 // A camera that missed a pulse counts on from there without it: then the anchor is wrong.
 void CaptureRun::doubt_anchor(const Error& error) {
   if (error.code == ResultCode::kFrameMissing) ++missing_in_a_row_;
-  const bool strobe_fault =
-      error.code >= code_of(Fault::kStrobeMissing) && error.code <= code_of(Fault::kStrobeTooShort);
-  if (!strobe_fault && error.code != ResultCode::kTriggerLost && missing_in_a_row_ < 2) return;
+  if (!is_strobe_fault(error.code) && error.code != ResultCode::kTriggerLost && missing_in_a_row_ < 2) return;
   anchor_.reset();
   missing_in_a_row_ = 0;
 }
 
-// Leaves trigger and camera as the next capture needs them. A camera that missed its trigger may be a dead one: then
-// that is the error to tell.
+// Leaves trigger and camera as the next capture needs them. A camera that exposes wrongly or sends nothing may be a
+// dead one: then that is the error to tell.
 Error CaptureRun::recover(CameraLease& lease, const Error& error) {
   doubt_anchor(error);
   if (trigger_.connected()) static_cast<void>(trigger_.abort());
-  const bool suspect = error.code == ResultCode::kFrameMissing || error.code == ResultCode::kCaptureTimeout ||
-                       error.code == code_of(Fault::kStrobeMissing);
+  const bool suspect = error.code == ResultCode::kFrameMissing || error.code == ResultCode::kFrameIncomplete ||
+                       error.code == ResultCode::kCaptureTimeout || is_strobe_fault(error.code);
   if (lease.lost() || (suspect && !lease.answers())) {
     return failure(ResultCode::kCameraLost, "camera: does not answer (%.200s)", error.detail).error();
   }

@@ -6,6 +6,7 @@
 
 #include <cstring>
 
+#include "capture/receive_buffer.hpp"
 #include "contract/result_codes.hpp"
 
 namespace beltpick::capture {
@@ -15,8 +16,8 @@ namespace {
 constexpr int kFirstAnswerMs = 500;              // the network has to find the address first
 constexpr unsigned kPacketTimeoutUs = 20'000;    // before a packet is asked for again
 constexpr unsigned kFrameRetentionUs = 500'000;  // before a frame with holes is given up
-constexpr int kSocketBytes = 16 << 20;  // or what the kernel's limit allows, until the stream thread is scheduled
-constexpr double kResendShare = 1.0;    // of a frame's packets that may be asked for again: a late frame beats none
+constexpr int kSocketBytes = 16 << 20;           // a good half of a sequence, until the stream thread is scheduled
+constexpr double kResendShare = 1.0;  // of a frame's packets that may be asked for again: a late frame beats none
 
 // Calls an Aravis function with a GError behind its arguments and turns a failure into ours.
 template <class Call>
@@ -187,8 +188,8 @@ Result<void> GigeCamera::start_stream(std::span<std::uint8_t> memory) {
 
 void GigeCamera::set_stream_options() {
   g_object_set(stream_, "packet-resend", ARV_GV_STREAM_PACKET_RESEND_ALWAYS, "packet-timeout", kPacketTimeoutUs,
-               "frame-retention", kFrameRetentionUs, "packet-request-ratio", kResendShare, "socket-buffer",
-               ARV_GV_STREAM_SOCKET_BUFFER_FIXED, "socket-buffer-size", kSocketBytes, nullptr);
+               "frame-retention", kFrameRetentionUs, "packet-request-ratio", kResendShare, nullptr);
+  enlarge_receive_buffer(arv_gv_stream_get_port(ARV_GV_STREAM(stream_)), kSocketBytes);
 }
 
 std::optional<Frame> GigeCamera::wait_frame(std::int64_t timeout_us) {

@@ -56,6 +56,7 @@ class Cell {
       shown_[exposure.trigger_number % shown_.size()] = pattern_;
       board->set_strobe(true);
     };
+    settings.exposure_ended = [this](const virtual_cell::gige::Exposure&) { board->set_strobe(false); };
     auto opened = virtual_cell::gige::Camera::open(settings);
     REQUIRE(opened);
     camera = std::move(*opened);
@@ -78,7 +79,6 @@ class Cell {
     if (edge.pin != host::Pin::kCameraTrigger) return;
     if (edge.level && on_pulse) on_pulse(pulses_++);
     camera->line_edge(edge.level, edge.at_ns / 1000);
-    if (!edge.level) board->set_strobe(false);
   }
 
   Sequence sequence_ = patterns::standard();

@@ -144,10 +144,18 @@ TEST_CASE("a dead camera is lost, is reopened by itself, and the next capture is
   Cell cell;
   Appliance appliance(cell);
   REQUIRE(appliance.capture() == ResultCode::kOk);
+  const bool at_any_moment = GENERATE(false, true);  // or just before a pulse
+  std::thread killer;
   cell.on_pulse = [&](int pulse) {
-    if (pulse == 4) cell.camera->die();
+    if (pulse != 4) return;
+    if (at_any_moment) {
+      killer = std::thread([&] { cell.camera->die(); });
+    } else {
+      cell.camera->die();
+    }
   };
   CHECK(appliance.capture() == ResultCode::kCameraLost);
+  if (killer.joinable()) killer.join();
   CHECK(appliance.camera.state() != capture::CameraState::kReady);
   const ResultCode still = appliance.capture();
   CHECK((still == ResultCode::kCameraLost || still == ResultCode::kCameraNotFound));
