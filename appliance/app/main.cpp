@@ -1,4 +1,6 @@
 // beltpickd: the appliance.
+#include <malloc.h>
+
 #include <cstdio>
 #include <cstring>
 #include <exception>
@@ -94,6 +96,7 @@ int main(int argc, char** argv) {
     std::fputs(app::default_settings_text().c_str(), stdout);
     return 0;
   }
+  ::mallopt(M_ARENA_MAX, 2);  // few threads ever allocate: no heap of their own for each
   app::Log log;
   try {
     return serve(*options, log);

@@ -1,5 +1,7 @@
 #include "app/model_hub.hpp"
 
+#include <malloc.h>
+
 #include <algorithm>
 
 #include "contract_io/recipe_io.hpp"
@@ -56,6 +58,7 @@ Result<void> ModelHub::load_active() {
   if (!loaded) return std::unexpected(loaded.error());
   if (const auto stored = store_.load(loaded->templates, settings_.gripper); !stored) return stored;
   loaded_ = std::move(*loaded);
+  ::malloc_trim(0);  // what reading took would otherwise stay resident for good
   capture_time_us_ = loaded_.plan.duration_us;
   return adopt_ ? adopt_(geometry_, loaded_) : Result<void>{};
 }

@@ -1,5 +1,7 @@
 #include "app/recorder.hpp"
 
+#include <malloc.h>
+
 #include <algorithm>
 #include <chrono>
 #include <cstring>
@@ -94,6 +96,7 @@ void Recorder::serve(const ModelHub& hub, std::span<const Arena::Share> budget) 
   const auto written = folder ? write_all(hub, budget, *folder) : Result<void>(std::unexpected(folder.error()));
   if (!written)
     log_.write(LogLevel::kWarning, "capture %u was not recorded: %s", record_.capture, written.error().detail);
+  ::malloc_trim(0);  // pictures are large
   state_ = State::kFree;
 }
 

@@ -63,7 +63,8 @@ std::string summary_text(const RunBook& book, std::span<const Arena::Share> budg
   for (std::size_t step = 0; step < kSteps; ++step) {
     json["stage_ms"][step_name(static_cast<Step>(step))] = std::round(totals.median_ms[step] * 100.0) / 100.0;
   }
-  json["rss_mb"] = peak_resident_mb();
+  json["rss_mb"] = resident_mb();
+  json["peak_rss_mb"] = peak_resident_mb();
   json["budget"] = budget_json(budget);
   return json.dump() + "\n";
 }

@@ -29,10 +29,10 @@ int PickPlan::parts_left() const {
 void PickPlan::picked(int index) {
   parts_[index] = Part::kGone;
   ++picked_;
-  if (!touches_[index]) return;
-  touched_ = true;
+  const bool all = touches_[index];
+  touched_ = touched_ || all;
   for (int i = 0; i < count_; ++i) {
-    if (parts_[i] != Part::kPickable || !touches_[i]) continue;
+    if (parts_[i] != Part::kPickable || !(all || touches_[i])) continue;
     parts_[i] = Part::kVoid;
     ++void_;
   }

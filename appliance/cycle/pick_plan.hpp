@@ -1,7 +1,9 @@
 // PickPlan: which part of the present view may be offered next, and whether the view must be captured anew.
 //
-// A part that touched the one picked may have moved with it, so its pose is void; the others stay true while the belt
-// stands. What was withheld may have come free once something was picked.
+// A part that touched the one picked may have moved with it, so its pose is void. Who touched whom is not told, and of
+// two parts that touch perhaps only the upper one was seen to: so a picked part that touched something voids the whole
+// view, any other pick those that touched something. Parts that stand alone stay true while the belt stands. What was
+// withheld may have come free once something was picked.
 #pragma once
 
 #include <array>
@@ -26,6 +28,7 @@ class PickPlan {
   [[nodiscard]] int parts_left() const;
   // Objects of this view that cannot be picked: withheld, or without a reachable grasp.
   [[nodiscard]] int not_pickable() const { return withheld_ + without_grasp_; }
+  // Something of this view may still be pickable after another look.
   [[nodiscard]] bool capture_again() const { return picked_ > 0 && (void_ > 0 || touched_ || not_pickable() > 0); }
 
   void picked(int index);

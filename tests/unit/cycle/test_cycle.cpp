@@ -82,9 +82,9 @@ TEST_CASE("parts that stand alone are offered one after the other from one captu
   CHECK(cell.status().capture == 1);
 }
 
-TEST_CASE("parts that touched the one picked are captured again, others are still offered first", "[cycle]") {
+TEST_CASE("parts that stand alone are offered on, those that touch something are captured again", "[cycle]") {
   CellDriver cell;
-  cell.add_part(true);
+  cell.add_part(false);
   cell.add_part(true);
   cell.add_part(false);
   cell.bring_to(CellState::kOffering);
@@ -94,6 +94,15 @@ TEST_CASE("parts that touched the one picked are captured again, others are stil
   cell.answer_offer(PlcCommand::kPickDone);
   CHECK(cell.state() == CellState::kSettling);
   CHECK((cell.status().bits() & kStatusCaptureWanted) != 0);
+}
+
+TEST_CASE("after a part that touched another nothing of the old view is offered", "[cycle]") {
+  CellDriver cell;
+  cell.add_part(true);
+  cell.add_part(false);
+  cell.bring_to(CellState::kOffering);
+  cell.answer_offer(PlcCommand::kPickDone);
+  CHECK(cell.state() == CellState::kSettling);
 }
 
 TEST_CASE("what was withheld is looked at again after a pick", "[cycle]") {

@@ -29,16 +29,32 @@ TEST_CASE("parts without a grasp are never offered but counted", "[plan]") {
   CHECK(plan.not_pickable() == 4);
 }
 
-TEST_CASE("a pick voids only touching parts, and only if it touched something itself", "[plan]") {
+TEST_CASE("a pick that touched nothing voids what touched something, whoever that was", "[plan]") {
   PickPlan plan;
-  const auto view = parts({{0, false}, {0, true}, {0, true}, {0, false}});
+  const auto view = parts({{0, false}, {0, true}, {0, false}});
   plan.load(view, 0);
   plan.picked(0);
-  CHECK(plan.parts_left() == 3);
-  CHECK_FALSE(plan.capture_again());
-  plan.picked(1);
-  CHECK(plan.next() == 3);
+  CHECK(plan.parts_left() == 1);
+  CHECK(plan.next() == 2);
   CHECK(plan.capture_again());
+}
+
+TEST_CASE("a pick that touched something voids the whole view", "[plan]") {
+  PickPlan plan;
+  const auto view = parts({{0, true}, {0, false}, {0, true}});
+  plan.load(view, 0);
+  plan.picked(0);
+  CHECK(plan.next() == -1);
+  CHECK(plan.capture_again());
+}
+
+TEST_CASE("parts that all stand alone need no other look", "[plan]") {
+  PickPlan plan;
+  const auto view = parts({{0, false}, {0, false}});
+  plan.load(view, 0);
+  plan.picked(0);
+  plan.picked(1);
+  CHECK_FALSE(plan.capture_again());
 }
 
 TEST_CASE("a view of which nothing was picked is not captured again", "[plan]") {
