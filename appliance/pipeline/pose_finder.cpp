@@ -43,7 +43,7 @@ bool same_place(const Candidate& a, const Candidate& b, const PartModel& model) 
 
 double strength(const result::Evidence& e) {
   return e.support * (1.0 - e.contradicted) * std::max(0.0, 1.0 - 4.0 * e.violated) * (1.0 - 0.5 * e.continued) *
-         std::max(0.0, 1.0 - 4.0 * e.sunk);
+         std::max(0.0, 1.0 - 2.0 * e.unexplained) * std::max(0.0, 1.0 - 4.0 * e.sunk);
 }
 
 // How many of the best candidates are finished, and what share of the best one's strength they must have.
@@ -91,7 +91,7 @@ PoseFinder::PoseFinder(Arena& arena, const Limits& limits)
 
 Attempt PoseFinder::find(const result::Scene& scene, ImageView<const std::uint16_t> owner, const Object& object,
                          std::span<const PartModel> models, std::uint64_t seed) {
-  const Context context{scene, object, models, seed};
+  const Context context{scene, owner, object, models, seed};
   sample_count_ = sample_object(scene.range, owner, object, kAlignSample, seed, sample_);
   if (sample_count_ < kLeastSample) {
     Attempt attempt;
@@ -204,7 +204,9 @@ void PoseFinder::align_fully(const Context& context, Candidate& candidate) {
 void PoseFinder::weigh(const Context& context, Candidate& candidate) {
   const PartModel& model = context.models[static_cast<std::size_t>(candidate.model_index)];
   drawing_.draw(model, candidate.alignment.T_camera_part, context.scene.lens);
-  candidate.evidence = result::weigh(drawing_, model, candidate.alignment.T_camera_part, context.scene);
+  candidate.evidence =
+      result::weigh(drawing_, model, candidate.alignment.T_camera_part, context.scene,
+                    {context.owner, {context.object.labels, static_cast<std::size_t>(context.object.label_count)}});
   candidate.strength = strength(candidate.evidence);
 }
 

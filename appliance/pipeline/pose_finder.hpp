@@ -54,6 +54,7 @@ class PoseFinder {
 
   struct Context {
     const result::Scene& scene;
+    ImageView<const std::uint16_t> owner;
     const Object& object;
     std::span<const PartModel> models;
     std::uint64_t seed;

@@ -20,6 +20,9 @@ struct Tolerance {
   float free_space_mm;
 };
 
+int pixel_row(const VisiblePoint& point) { return static_cast<int>(std::lround(point.row_px)); }
+int pixel_column(const VisiblePoint& point) { return static_cast<int>(std::lround(point.column_px)); }
+
 // One measured point against the surface expected on its line of sight.
 Finding compare(const Vec3f& measured, const Vec3f& expected, const Vec3f& normal, const Tolerance& tolerance) {
   if (measured.z() <= 0.0F) return Finding::kMissing;
@@ -50,8 +53,8 @@ class Lookup {
 
   // Adds the squared distance of a match to `square_mm2`.
   Finding look(const VisiblePoint& point, double& square_mm2) const {
-    const int row = static_cast<int>(std::lround(point.row_px));
-    const int col = static_cast<int>(std::lround(point.column_px));
+    const int row = pixel_row(point);
+    const int col = pixel_column(point);
     const Finding centre = at(row, col, point);
     if (centre == Finding::kMatched) {
       const double distance = point.normal.dot(range_.point_mm(row, col) - point.point_mm);
@@ -89,13 +92,15 @@ double share(double part, double whole) { return whole > 0.0 ? part / whole : 0.
 
 }  // namespace
 
-Evidence weigh(const Drawing& drawing, const PartModel& model, const PartPose& T_camera_part, const Scene& scene) {
+Evidence weigh(const Drawing& drawing, const PartModel& model, const PartPose& T_camera_part, const Scene& scene,
+               const Claimed& claimed) {
   const double tolerance_mm = surface_tolerance_mm(scene, model.spacing_mm);
   const Tolerance tolerance{static_cast<float>(tolerance_mm),
                             static_cast<float>(free_space_tolerance_mm(scene, model.spacing_mm))};
   const Lookup lookup(scene, model, T_camera_part, tolerance, std::max(1, drawing.factor() / 2));
   Evidence evidence;
-  double total = 0.0, inside = 0.0, matched = 0.0, violated = 0.0, occluded = 0.0, contradicted = 0.0, square_mm2 = 0.0;
+  double total = 0.0, inside = 0.0, matched = 0.0, violated = 0.0, occluded = 0.0, contradicted = 0.0,
+         unexplained = 0.0, square_mm2 = 0.0;
   for (const VisiblePoint& point : drawing.visible()) {
     if (!lit(point, scene.light_mm)) continue;
     total += point.area;
@@ -111,6 +116,7 @@ Evidence weigh(const Drawing& drawing, const PartModel& model, const PartPose& T
         break;
       case Finding::kOccluded:
         occluded += point.area;
+        if (claimed.holds(pixel_row(point), pixel_column(point))) unexplained += point.area;
         break;
       case Finding::kContradicted:
         contradicted += point.area;
@@ -125,6 +131,7 @@ Evidence weigh(const Drawing& drawing, const PartModel& model, const PartPose& T
   evidence.violated = share(violated, inside - occluded);
   evidence.contradicted = share(contradicted + violated, matched + contradicted + violated);
   evidence.occluded = share(occluded, inside);
+  evidence.unexplained = share(unexplained, inside);
   evidence.continued = continued_outline(drawing, model, T_camera_part, scene, tolerance_mm);
   if (scene.belt) evidence.sunk = sunk_share(model, T_camera_part, *scene.belt, tolerance_mm);
   evidence.rms_mm = std::sqrt(share(square_mm2, matched));

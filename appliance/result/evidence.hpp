@@ -1,6 +1,10 @@
 // Evidence: the whole range image for and against a pose: the part drawn, and every point in sight looked up.
 #pragma once
 
+#include <algorithm>
+#include <cstdint>
+#include <span>
+
 #include "contract/part_model.hpp"
 #include "result/drawing.hpp"
 #include "result/scene.hpp"
@@ -15,14 +19,27 @@ struct Evidence {
   double violated = 0.0;      // of that, what was seen to be empty: measured clearly behind
   double contradicted = 0.0;  // of what was measured at all there, what lies off the surface, in front or behind
   double occluded = 0.0;      // of what lies inside the image, what something measured in front hides
-  double continued = 0.0;     // of the outline, where the object goes on as if it were larger than the part
-  double sunk = 0.0;          // of the part's whole surface, what would lie under the belt
-  double rms_mm = 0.0;        // of the measured points to the surface, where they support the pose
-  int points = 0;             // in sight and inside the image
+  double unexplained =
+      0.0;  // of what lies inside the image, what the object itself hides: it has more to it than the part
+  double continued = 0.0;  // of the outline, where the object goes on as if it were larger than the part
+  double sunk = 0.0;       // of the part's whole surface, what would lie under the belt
+  double rms_mm = 0.0;     // of the measured points to the surface, where they support the pose
+  int points = 0;          // in sight and inside the image
+};
+
+// The object that the pose is to explain: pixels of `owner` that hold one of `labels`. Empty: not told.
+struct Claimed {
+  ImageView<const std::uint16_t> owner{};
+  std::span<const std::uint16_t> labels{};
+
+  [[nodiscard]] bool holds(int row, int col) const {
+    return !owner.empty() && std::find(labels.begin(), labels.end(), owner(row, col)) != labels.end();
+  }
 };
 
 // Looks up the part as it was drawn.
-Evidence weigh(const Drawing& drawing, const PartModel& model, const PartPose& T_camera_part, const Scene& scene);
+Evidence weigh(const Drawing& drawing, const PartModel& model, const PartPose& T_camera_part, const Scene& scene,
+               const Claimed& claimed = {});
 
 // The share of the part's surface points that lies clearly under the belt, where no part can be.
 double sunk_share(const PartModel& model, const PartPose& T_camera_part, const Plane& belt, double tolerance_mm);

@@ -30,6 +30,13 @@ Result<void> judge(const Evidence& evidence, double tolerance_mm, const Requirem
                    "damaged part",
                    100.0 * evidence.contradicted, 100.0 * required.contradicted);
   }
+  if (evidence.unexplained > required.unexplained) {
+    return failure(
+        ResultCode::kResidualTooHigh,
+        "the object itself hides %.0f %% of the pose, expected at most %.0f %%; there is more to it than the "
+        "part",
+        100.0 * evidence.unexplained, 100.0 * required.unexplained);
+  }
   if (evidence.coverage < required.coverage) {
     return failure(ResultCode::kCoverageTooLow,
                    "%.0f %% of what should be visible was measured there, expected at least %.0f %%; hidden, shiny, or "

@@ -22,6 +22,8 @@ Json evidence_json(const result::Evidence& e) {
           {"free_space_violated", e.violated},
           {"occluded", e.occluded},
           {"contradicted", e.contradicted},
+          {"unexplained", e.unexplained},
+          {"under_belt", e.sunk},
           {"outline_continued", e.continued},
           {"rms_mm", e.rms_mm},
           {"points", e.points}};
