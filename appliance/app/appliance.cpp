@@ -179,7 +179,7 @@ Result<int> Appliance::run() {
   });
   threads->service = std::thread([this, &threads = *threads] {
     while (!threads.stop) {
-      stages_->hub.serve(threads.vision.idle());
+      if (stages_->hub.wants_to_load()) stages_->hub.serve(threads.vision.idle());
       if (stages_->camera.state() == capture::CameraState::kReady) stages_->hub.check_camera(stages_->camera.serial());
       stages_->recorder.serve(stages_->hub, arena_.shares());
       std::this_thread::sleep_for(std::chrono::milliseconds(kServiceStep_ms));

@@ -38,7 +38,10 @@ Result<void> ModelHub::read_recipes() {
     recipes.push_back(std::move(*recipe));
   }
   for (const std::string& warning : warnings) log_.write(LogLevel::kWarning, "%s", warning.c_str());
-  recipes_ = std::move(recipes);
+  {
+    const std::lock_guard lock(recipes_mutex_);
+    recipes_ = std::move(recipes);
+  }
   if (active_ != 0 && knows_recipe(active_)) return {};
   const auto wanted = static_cast<std::uint16_t>(settings_.recipe);
   if (wanted != 0 && !knows_recipe(wanted)) {
@@ -78,7 +81,7 @@ Result<void> ModelHub::settle(const Result<void>& outcome) {
 }
 
 void ModelHub::serve(bool workers_idle) {
-  if (!busy_ || !workers_idle || changed_) return;
+  if (!wants_to_load() || !workers_idle) return;
   if (reload_.exchange(false)) {
     (void)load();  // what is wrong is in code()
   } else {
@@ -113,6 +116,7 @@ void ModelHub::reload() {
 }
 
 bool ModelHub::knows_recipe(std::uint16_t number) const {
+  const std::lock_guard lock(recipes_mutex_);
   return std::any_of(recipes_.begin(), recipes_.end(), [&](const Recipe& recipe) { return recipe.number == number; });
 }
 

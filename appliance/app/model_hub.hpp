@@ -4,6 +4,7 @@
 
 #include <atomic>
 #include <functional>
+#include <mutex>
 #include <span>
 #include <string>
 #include <vector>
@@ -27,7 +28,9 @@ class ModelHub : public Models {
   // Reads everything. What is wrong is logged and becomes code(); the error is returned for `--check`.
   Result<void> load();
 
-  // The service thread's share: does the loading that was asked for, once `workers_idle`.
+  // The service thread's share. Once wants_to_load() has said so no capture can start any more; when the one that may
+  // still run has ended (`workers_idle`, asked afterwards), serve() does the loading that was asked for.
+  [[nodiscard]] bool wants_to_load() const { return busy_ && !changed_; }
   void serve(bool workers_idle);
   // The service thread's too: a calibration that names another camera than the one that answers is refused.
   void check_camera(const std::string& serial);
@@ -60,6 +63,7 @@ class ModelHub : public Models {
   pipeline::ModelStore store_;
   Adopt adopt_;
   Geometry geometry_;
+  mutable std::mutex recipes_mutex_;
   std::vector<Recipe> recipes_;
   std::string checked_serial_;  // of the camera judged last
   bool wrong_camera_ = false;
