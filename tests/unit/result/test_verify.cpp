@@ -1,0 +1,176 @@
+// Verification: the true pose passes, wrong ones do not, whatever their residual.
+#include <array>
+#include <catch2/catch.hpp>
+
+#include "base/units.hpp"
+#include "contract/result_codes.hpp"
+#include "result/grasp_choice.hpp"
+#include "result/rivalry.hpp"
+#include "result/verdict.hpp"
+#include "support/scenes/models.hpp"
+#include "support/scenes/scenes.hpp"
+
+using namespace beltpick;
+using namespace beltpick::test;
+
+namespace {
+
+// A part lying on the belt, its image, and the drawing that poses are judged with.
+struct Bench {
+  Shape shape;
+  LoadedPart loaded;
+  result::PartPose truth;
+  SceneImage image;
+  InArena<result::Drawing> drawing;
+
+  explicit Bench(Shape of, const Mat3& rotation = Mat3::Identity(), double x_mm = 10.0)
+      : shape(std::move(of)),
+        loaded(shape),
+        truth(on_belt(shape, loaded.part, rotation, x_mm, -15.0)),
+        image(render({{&shape, truth}})),
+        drawing(test_limits()) {}
+
+  result::Scene scene() {
+    result::Scene scene;
+    scene.range = image.range();
+    scene.labels = image.labels();
+    scene.lens = image.lens;
+    scene.belt = image.belt;
+    return scene;
+  }
+  result::Evidence evidence(const result::PartPose& pose) {
+    drawing.made.draw(loaded.model(), pose, image.lens);
+    static constexpr std::array<std::uint16_t, 1> kLabel{1};
+    return result::weigh(drawing.made, loaded.model(), pose, scene(), {image.labels(), kLabel});
+  }
+  Result<void> verdict(const result::PartPose& pose) {
+    const double tolerance_mm = result::surface_tolerance_mm(scene(), loaded.model().spacing_mm);
+    return result::judge(evidence(pose), tolerance_mm, {});
+  }
+  // The true pose, then turned about an axis of the part through its centre.
+  [[nodiscard]] result::PartPose turned(const Vec3& axis, double angle) const {
+    const Vec3 centre = loaded.model().centre_mm;
+    const Mat3 turn = Eigen::AngleAxisd(angle, axis).toRotationMatrix();
+    return truth * Pose<frame::Part, frame::Part>{turn, centre - turn * centre};
+  }
+};
+
+}  // namespace
+
+TEST_CASE("the true pose is believed") {
+  for (const auto& shape : {bracket(), knuckle(), sheet(), flange()}) {
+    Bench bench(shape);
+    const auto e = bench.evidence(bench.truth);
+    INFO(shape.name);
+    CHECK(bench.verdict(bench.truth));
+    CHECK(e.coverage > 0.65);  // the rest lies in shadows
+    CHECK(e.violated < 0.01);
+    CHECK(e.contradicted < 0.01);
+    CHECK(e.in_view > 0.99);
+    CHECK(e.rms_mm < 0.1);
+  }
+}
+
+TEST_CASE("poses flipped, turned or shifted are not believed") {
+  Bench bench(bracket());
+  CHECK_FALSE(bench.verdict(bench.turned(Vec3::UnitX(), kPi)));
+  CHECK_FALSE(bench.verdict(bench.turned(Vec3::UnitZ(), kPi)));
+  CHECK_FALSE(bench.verdict(bench.turned(Vec3::UnitZ(), kPi / 2)));
+  CHECK_FALSE(bench.verdict(bench.turned(Vec3::UnitY(), 0.1)));
+  result::PartPose shifted = bench.truth;
+  shifted.translation_mm.x() += 12.0;
+  CHECK_FALSE(bench.verdict(shifted));
+  shifted = bench.truth;
+  shifted.translation_mm.z() += 8.0;  // under the belt, hidden behind what was measured
+  CHECK_FALSE(bench.verdict(shifted));
+  shifted.translation_mm.z() -= 16.0;  // hovering
+  CHECK_FALSE(bench.verdict(shifted));
+}
+
+TEST_CASE("a mirrored part is not taken for the part") {
+  const Shape original = bracket();
+  const LoadedPart loaded(original);
+  Bench bench(mirrored(original));
+  for (const double angle : {0.0, kPi}) {
+    const Mat3 turn = Eigen::AngleAxisd(angle, Vec3::UnitZ()).toRotationMatrix();
+    const result::PartPose pose = bench.truth * Pose<frame::Part, frame::Part>{turn, Vec3::Zero()};
+    bench.drawing.made.draw(loaded.model(), pose, bench.image.lens);
+    const std::array<std::uint16_t, 1> label{1};
+    const auto e =
+        result::weigh(bench.drawing.made, loaded.model(), pose, bench.scene(), {bench.image.labels(), label});
+    CHECK_FALSE(result::judge(e, result::surface_tolerance_mm(bench.scene(), loaded.model().spacing_mm), {}));
+  }
+}
+
+TEST_CASE("a face that fits inside a larger object is not the part") {
+  Bench bench(plate());
+  const LoadedPart small(block());
+  // The block's top in the plate's top.
+  const result::PartPose pose = bench.truth * Pose<frame::Part, frame::Part>{Mat3::Identity(), {0.0, 0.0, 6.0 - 15.0}};
+  bench.drawing.made.draw(small.model(), pose, bench.image.lens);
+  result::Scene scene = bench.scene();
+  scene.belt.reset();
+  const auto e = result::weigh(bench.drawing.made, small.model(), pose, scene);
+  CHECK(e.coverage > 0.8);
+  CHECK(e.continued > 0.8);
+  CHECK_FALSE(result::judge(e, result::surface_tolerance_mm(scene, small.model().spacing_mm), {}));
+}
+
+TEST_CASE("a part mostly out of the image is withheld as such") {
+  Bench bench(bracket(), Mat3::Identity(), 235.0);
+  const auto verdict = bench.verdict(bench.truth);
+  REQUIRE_FALSE(verdict);
+  CHECK(verdict.error().code == ResultCode::kPartlyOutOfView);
+}
+
+TEST_CASE("of two poses the picture prefers the true one, and cannot choose between equals") {
+  Bench bench(flange());
+  const result::Region all{0, 479, 0, 639};
+  const result::Rival truth{bench.loaded.model(), bench.truth};
+  const result::Rival turned{bench.loaded.model(), bench.turned(Vec3::UnitZ(), kPi / 4)};
+  const result::Rival equal{bench.loaded.model(), bench.turned(Vec3::UnitZ(), kPi / 2)};
+  CHECK(result::prevails(result::compare(truth, turned, bench.scene(), all, 1)));
+  CHECK_FALSE(result::prevails(result::compare(turned, truth, bench.scene(), all, 1)));
+  const auto tie = result::compare(truth, equal, bench.scene(), all, 1);
+  CHECK(tie.same_object());
+  CHECK_FALSE(result::prevails(tie));
+}
+
+TEST_CASE("a grasp is reachable from above, not from below, and not through an obstacle") {
+  const Shape part_shape = block();
+  const Shape obstacle = pin();
+  const LoadedPart part(part_shape), other(obstacle);
+  const auto truth = on_belt(part_shape, part.part, Mat3::Identity(), 0.0, 0.0);
+  // Gripper z down into the block, closing across its 50 mm.
+  GraspPose grasp;
+  grasp.T_part_gripper.rotation.col(2) = -Vec3::UnitZ();
+  grasp.T_part_gripper.rotation.col(0) = Vec3::UnitY();
+  grasp.T_part_gripper.rotation.col(1) = (-Vec3::UnitZ()).cross(Vec3::UnitY());
+  grasp.T_part_gripper.translation_mm = {0.0, 0.0, 5.0};
+  grasp.opening_mm = 58.0;
+  CHECK(result::clear_of_part(grasp, part.model().surface, {}));
+
+  const auto scene_of = [](SceneImage& image) {
+    result::Scene scene;
+    scene.range = image.range();
+    scene.labels = image.labels();
+    scene.lens = image.lens;
+    scene.belt = image.belt;
+    return scene;
+  };
+  SceneImage alone = render({{&part_shape, truth}});
+  CHECK(result::reach(grasp, truth, scene_of(alone), {}) == result::Reach::kReachable);
+
+  const Mat3 lying = Eigen::AngleAxisd(kPi / 2, Vec3::UnitY()).toRotationMatrix();
+  SceneImage crowded = render({{&part_shape, truth}, {&obstacle, on_belt(obstacle, other.part, lying, 0.0, 40.0)}});
+  CHECK(result::reach(grasp, truth, scene_of(crowded), {}) == result::Reach::kObstructed);
+
+  GraspPose below = grasp;
+  below.T_part_gripper.rotation =
+      Eigen::AngleAxisd(kPi, Vec3::UnitX()).toRotationMatrix() * grasp.T_part_gripper.rotation;
+  CHECK(result::reach(below, truth, scene_of(alone), {}) == result::Reach::kFromBelow);
+
+  GraspPose narrow = grasp;
+  narrow.opening_mm = 40.0;
+  CHECK_FALSE(result::clear_of_part(narrow, part.model().surface, {}));
+}
