@@ -8,6 +8,7 @@
 #include "base/clock.hpp"
 #include "contract/result_codes.hpp"
 #include "pipeline/noise.hpp"
+#include "result/contact.hpp"
 #include "result/grasp_choice.hpp"
 #include "result/rivalry.hpp"
 #include "result/verdict.hpp"
@@ -148,6 +149,7 @@ bool Locator::taken(const result::Scene& scene, std::span<const PartModel> model
 
 void Locator::rank(const result::Scene& scene, std::span<const PartModel> models, const GripperShape& gripper) {
   for (std::size_t i = 0; i < accepted_count_; ++i) parts_[i] = describe(scene, models, gripper, accepted_[i]);
+  mark_contacts(models);
   const auto order = order_.first(accepted_count_);
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
@@ -160,6 +162,20 @@ void Locator::rank(const result::Scene& scene, std::span<const PartModel> models
   for (std::size_t i = 0; i < accepted_count_; ++i) {
     part_candidates_[i] = accepted_[order[i]].candidate;
     ranked_[i] = parts_[order[i]];
+  }
+}
+
+// Contact is mutual: when either is picked, the pose of the other is no longer known.
+void Locator::mark_contacts(std::span<const PartModel> models) {
+  for (std::size_t i = 0; i < accepted_count_; ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      const LocatedPart& a = parts_[i];
+      const LocatedPart& b = parts_[j];
+      const result::Rival first{models[static_cast<std::size_t>(a.template_index)], a.T_camera_part};
+      const result::Rival second{models[static_cast<std::size_t>(b.template_index)], b.T_camera_part};
+      if (result::in_contact(first, second, kTouch_mm))
+        parts_[i].touches_neighbour = parts_[j].touches_neighbour = true;
+    }
   }
 }
 

@@ -60,6 +60,7 @@ class Locator {
   [[nodiscard]] bool taken(const result::Scene& scene, std::span<const PartModel> models,
                            const Candidate& candidate) const;
   void rank(const result::Scene& scene, std::span<const PartModel> models, const GripperShape& gripper);
+  void mark_contacts(std::span<const PartModel> models);
   LocatedPart describe(const result::Scene& scene, std::span<const PartModel> models, const GripperShape& gripper,
                        const Accepted& accepted);
   [[nodiscard]] bool touches_neighbour(const result::Scene& scene, const PartModel& model,
