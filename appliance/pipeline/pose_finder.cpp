@@ -23,8 +23,15 @@ constexpr std::size_t kAlignSample = 1000;  // the paper's
 constexpr std::size_t kFinalSample = 2500;
 constexpr std::size_t kOutlinePairs = 4096;
 constexpr std::size_t kPoolSize = 400;
-constexpr std::size_t kShortlist = 40;  // hypotheses that are aligned coarsely
-constexpr int kFullAlignments = 6;      // of those, aligned with the whole sample and drawn
+constexpr std::size_t kMaxShortlist = 80;
+
+// How many hypotheses are aligned coarsely, and how many of those with the whole sample and drawn.
+struct Effort {
+  std::size_t shortlist;
+  std::size_t full;
+};
+constexpr Effort kByPrimitives{40, 6};
+constexpr Effort kByViews{kMaxShortlist, 10};  // nothing tells them which way the part lies
 constexpr std::size_t kLeastSample = 60;
 
 // Distances of search and alignment grow with the part.
@@ -122,7 +129,7 @@ void PoseFinder::collect(const Context& context, int model_index, Route route) {
     const auto sample = this->sample().first(std::min(sample_count_, kSearchSample));
     search::search_views({model, sample, static_cast<float>(coarse_radius_mm(model))}, pool);
   }
-  shortlist(context, model_index, pool);
+  shortlist(context, model_index, route, pool);
 }
 
 void PoseFinder::search_by_primitives(const Context& context, const PartModel& model, search::HypothesisPool& pool) {
@@ -156,15 +163,17 @@ int PoseFinder::find_primitives(const Context& context, const PartModel& model, 
   return static_cast<int>(count);
 }
 
-void PoseFinder::shortlist(const Context& context, int model_index, search::HypothesisPool& pool) {
+void PoseFinder::shortlist(const Context& context, int model_index, Route route, search::HypothesisPool& pool) {
   const PartModel& model = context.models[static_cast<std::size_t>(model_index)];
-  std::array<Hypothesis, kShortlist> hypotheses;
-  const std::size_t count = pool.take_distinct(model, 0.04 * model.diagonal_mm, rad_from_deg(12.0), hypotheses);
+  const Effort& effort = route == Route::kViews ? kByViews : kByPrimitives;
+  std::array<Hypothesis, kMaxShortlist> hypotheses;
+  const std::size_t count = pool.take_distinct(model, 0.04 * model.diagonal_mm, rad_from_deg(12.0),
+                                               std::span(hypotheses).first(effort.shortlist));
   const std::array<icp::Stage, 2> stages{icp::Stage{coarse_radius_mm(model), 8, 0.3F, 0.3F},
                                          icp::Stage{fine_radius_mm(model), 6, 0.5F, 0.3F}};
   const auto sample = this->sample().first(std::min(sample_count_, kCoarseSample));
   const double tolerance_mm = 3.0 * result::surface_tolerance_mm(context.scene, model.spacing_mm);
-  std::array<Candidate, kShortlist> tried;
+  std::array<Candidate, kMaxShortlist> tried;
   std::size_t distinct = 0;
   for (std::size_t i = 0; i < count; ++i) {
     Candidate candidate;
@@ -179,7 +188,7 @@ void PoseFinder::shortlist(const Context& context, int model_index, search::Hypo
       tried[distinct++] = candidate;
     }
   }
-  const auto most = std::min<std::size_t>(distinct, kFullAlignments);
+  const auto most = std::min(distinct, effort.full);
   std::partial_sort(tried.begin(), tried.begin() + static_cast<std::ptrdiff_t>(most),
                     tried.begin() + static_cast<std::ptrdiff_t>(distinct),
                     [](const Candidate& a, const Candidate& b) { return a.impression > b.impression; });

@@ -49,7 +49,7 @@ class PoseFinder {
   [[nodiscard]] std::span<const OrientedPoint> sample() const { return sample_.first(sample_count_); }
 
  private:
-  static constexpr int kMaxCandidates = 24;
+  static constexpr int kMaxCandidates = 40;
   static constexpr int kMaxPrimitivesFound = 4;
 
   struct Context {
@@ -64,7 +64,7 @@ class PoseFinder {
   void collect(const Context& context, int model_index, Route route);
   void search_by_primitives(const Context& context, const PartModel& model, search::HypothesisPool& pool);
   int find_primitives(const Context& context, const PartModel& model, std::span<Primitive> found);
-  void shortlist(const Context& context, int model_index, search::HypothesisPool& pool);
+  void shortlist(const Context& context, int model_index, Route route, search::HypothesisPool& pool);
   void align_fully(const Context& context, Candidate& candidate);
   void weigh(const Context& context, Candidate& candidate);
   void finish(const Context& context, Candidate& candidate);
