@@ -33,10 +33,12 @@ Json view_json(const virtual_cell::ViewRecord& view) {
 Json pick_json(const virtual_cell::PickRecord& pick) {
   constexpr const char* kOutcomes[] = {"picked", "crashed", "blocked"};  // in the order of PickOutcome
   const auto rounded = [](double value) { return std::isfinite(value) ? std::round(value * 1e4) / 1e4 : value; };
-  return {{"view", pick.view},
-          {"outcome", kOutcomes[static_cast<std::size_t>(pick.result.outcome)]},
-          {"position_mm", rounded(pick.result.position_mm)},
-          {"angle_deg", rounded(pick.result.angle_deg)}};
+  Json json{{"view", pick.view},
+            {"outcome", kOutcomes[static_cast<std::size_t>(pick.result.outcome)]},
+            {"position_mm", rounded(pick.result.position_mm)},
+            {"angle_deg", rounded(pick.result.angle_deg)}};
+  if (pick.result.outcome == virtual_cell::PickOutcome::kBlocked) json["in_the_way"] = pick.result.in_the_way;
+  return json;
 }
 
 Json fault_json(const virtual_cell::FaultRecord& record) {

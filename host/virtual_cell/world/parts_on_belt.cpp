@@ -71,27 +71,32 @@ PickJudgement PartsOnBelt::judge(const Offer& offer) const {
         return std::max(mm / limits_.position_mm, deg / limits_.angle_deg);
       };
       if (rank(position, angle) >= rank(best.position_mm, best.angle_deg)) continue;
-      best = {{PickOutcome::kCrashed, position, angle}, static_cast<int>(i)};
+      best.index = static_cast<int>(i);
+      best.position_mm = position;
+      best.angle_deg = angle;
     }
   }
   if (best.index < 0 || best.position_mm > limits_.position_mm || best.angle_deg > limits_.angle_deg) return best;
-  best.outcome = way_in_is_free(offer) ? PickOutcome::kPicked : PickOutcome::kBlocked;
+  const char* obstacle = in_the_way(offer, best.index);
+  best.outcome = obstacle == nullptr ? PickOutcome::kPicked : PickOutcome::kBlocked;
+  if (obstacle != nullptr) best.in_the_way = obstacle;
   return best;
 }
 
-bool PartsOnBelt::way_in_is_free(const Offer& offer) const {
+const char* PartsOnBelt::in_the_way(const Offer& offer, int index) const {
   const auto T_belt_gripper = gripper_in_belt(offer);
   for (const int side : {-1, 1}) {
     JawSweep sweep = jaw_sweep(gripper_, offer.opening_mm, side);
     sweep.min().array() += kJawTouch_mm;
     sweep.max().array() -= kJawTouch_mm;
-    if (sweep_meets_belt(sweep, T_belt_gripper)) return false;
-    for (const BeltPart& part : scene_) {
-      const auto T_gripper_part = T_belt_gripper.inverse() * part.T_belt_part;
-      if (sweep_meets_mesh(sweep, parts_[static_cast<std::size_t>(part.part)].mesh, T_gripper_part)) return false;
+    if (sweep_meets_belt(sweep, T_belt_gripper)) return "belt";
+    for (std::size_t i = 0; i < scene_.size(); ++i) {
+      const auto T_gripper_part = T_belt_gripper.inverse() * scene_[i].T_belt_part;
+      if (!sweep_meets_mesh(sweep, parts_[static_cast<std::size_t>(scene_[i].part)].mesh, T_gripper_part)) continue;
+      return static_cast<int>(i) == index ? "part itself" : "other part";
     }
   }
-  return true;
+  return nullptr;
 }
 
 void PartsOnBelt::remove(int index) {

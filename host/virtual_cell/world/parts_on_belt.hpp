@@ -43,7 +43,8 @@ class PartsOnBelt {
  private:
   [[nodiscard]] Pose<frame::Belt, frame::Part> part_in_belt(const Offer& offer) const;
   [[nodiscard]] Pose<frame::Belt, frame::Gripper> gripper_in_belt(const Offer& offer) const;
-  [[nodiscard]] bool way_in_is_free(const Offer& offer) const;
+  // What the jaws meet on their way to part `index`; null: nothing.
+  [[nodiscard]] const char* in_the_way(const Offer& offer, int index) const;
 
   std::span<const ScenePart> parts_;
   Settler settler_;

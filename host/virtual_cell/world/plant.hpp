@@ -19,6 +19,7 @@ struct PickResult {
   PickOutcome outcome = PickOutcome::kCrashed;
   double position_mm = 0.0;  // error of the offered pose against the nearest part of that kind
   double angle_deg = 0.0;
+  const char* in_the_way = "";  // of a blocked pick: "belt", "part itself", "other part"
 };
 
 class Plant {

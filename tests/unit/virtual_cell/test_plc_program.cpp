@@ -37,10 +37,10 @@ struct StandInPlant final : Plant {
     REQUIRE(offer.whole);
     if (blocked > 0) {
       --blocked;
-      return {PickOutcome::kBlocked};
+      return {.outcome = PickOutcome::kBlocked};
     }
     --in_view;
-    return {PickOutcome::kPicked};
+    return {.outcome = PickOutcome::kPicked};
   }
   void miss() override {}
   int parts_in_view() const override { return in_view; }
