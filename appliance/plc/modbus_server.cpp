@@ -74,11 +74,6 @@ Result<void> ModbusServer::listen() {
   return {};
 }
 
-int ModbusServer::clients() const {
-  return static_cast<int>(
-      std::count_if(clients_.begin(), clients_.end(), [](const Client& c) { return c.socket >= 0; }));
-}
-
 void ModbusServer::poll(int timeout_ms) {
   std::array<pollfd, kMaxClients + 1> waiting{};
   std::array<Client*, kMaxClients + 1> owner{};
@@ -116,6 +111,7 @@ void ModbusServer::accept_clients(std::int64_t now_us) {
     place->socket = socket;
     place->received = 0;
     place->last_us = now_us;
+    ++client_count_;
   }
 }
 
@@ -183,9 +179,11 @@ bool ModbusServer::answer(const Client& client, std::size_t bytes, std::int64_t 
 }
 
 void ModbusServer::drop(Client& client) {
-  if (client.socket >= 0) close(client.socket);
+  if (client.socket < 0) return;
+  close(client.socket);
   client.socket = -1;
   client.received = 0;
+  --client_count_;
 }
 
 }  // namespace beltpick::plc

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <atomic>
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -35,7 +36,8 @@ class ModbusServer {
   void poll(int timeout_ms);
 
   [[nodiscard]] std::uint16_t port() const { return port_; }
-  [[nodiscard]] int clients() const;
+  // From any thread.
+  [[nodiscard]] int clients() const { return client_count_; }
 
  private:
   struct Client {
@@ -54,7 +56,7 @@ class ModbusServer {
   void receive(Client& client, std::int64_t now_us);
   bool serve_frames(Client& client, std::int64_t now_us);
   bool answer(const Client& client, std::size_t bytes, std::int64_t now_us);
-  static void drop(Client& client);
+  void drop(Client& client);
 
   ModbusServerConfig config_;
   PlcExchange& exchange_;
@@ -62,6 +64,7 @@ class ModbusServer {
   int listener_ = -1;
   std::uint16_t port_ = 0;
   std::array<Client, kMaxClients> clients_{};
+  std::atomic<int> client_count_{0};
 };
 
 }  // namespace beltpick::plc

@@ -110,6 +110,7 @@ TEST_CASE("libmodbus' client reads and writes what the table promises", "[server
   const std::uint16_t more[] = {2, 14};
   CHECK(modbus_write_and_read_registers(client.context, 2, 2, more, 2, 2, back) == 2);
   CHECK((back[0] == 2 && back[1] == 14));
+  CHECK(client.cycle() == 4321);  // one request later the write has reached the appliance
   CHECK(served.exchange.view().robot_clear);
   CHECK_FALSE(served.exchange.view().belt_stopped);
   CHECK(modbus_read_registers(client.context, 15, 2, back) == -1);
