@@ -84,7 +84,7 @@ Stages::Stages(Arena& arena, const Settings& settings, Log& log, RunBook& book)
       camera(camera_config(settings), arena),
       trigger(trigger_config(settings)),
       recorder(arena, settings, log),
-      work(arena, settings, {camera, trigger, hub, recorder, book}) {
+      work(arena, settings, {camera, trigger, hub, recorder, book, refused}) {
   hub.on_load([this](const Geometry& geometry, const LoadedRecipe& recipe) { return work.adopt(geometry, recipe); });
 }
 
@@ -96,7 +96,7 @@ struct Appliance::Threads {
         lines(of.stages_->trigger),
         vision(of.stages_->work, of.log_, watchdog.add("vision", longest_job_ms(of.settings_), monotonic_us())),
         controller(cycle_config(of.settings_), of.settings_.plc_timeout_ms * 1000LL,
-                   {vision, lines, of.stages_->hub, exchange, of.log_, *of.book_}) {}
+                   {vision, lines, of.stages_->hub, exchange, of.log_, *of.book_, of.stages_->refused}) {}
 
   template <class Step>
   std::thread loop(const char* name, Step step) {

@@ -27,6 +27,7 @@ struct Stages {
   capture::Camera camera;
   capture::TriggerLink trigger;
   Recorder recorder;
+  RefusedGrasps refused;
   CaptureAndLocate work;
 };
 

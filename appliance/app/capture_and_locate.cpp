@@ -4,6 +4,7 @@
 
 #include "base/clock.hpp"
 #include "contract/result_codes.hpp"
+#include "pipeline/pipeline.hpp"
 
 namespace beltpick::app {
 
@@ -77,8 +78,16 @@ Result<Located> CaptureAndLocate::locate(std::uint16_t number) {
   const double segment_ms = segment_watch.elapsed_ms();
 
   const Stopwatch locate_watch;
-  const pipeline::LocateInput input{
-      *range, objects.labels, objects.segments, objects.belt, to_.hub.geometry().calibration.camera, number};
+  const Calibration& calibration = to_.hub.geometry().calibration;
+  std::array<RefusedGrasps::GripperPose, RefusedGrasps::kMost> refused;
+  const pipeline::LocateInput input{.range = *range,
+                                    .labels = objects.labels,
+                                    .segments = objects.segments,
+                                    .belt = objects.belt,
+                                    .lens = calibration.camera,
+                                    .seed = number,
+                                    .projector_mm = pipeline::projector_position_mm(calibration),
+                                    .refused_grasps = to_.refused.copy(refused)};
   const pipeline::LocateOutput found = locator_.locate(input, to_.hub.models(), settings_.gripper);
   const double locate_ms = locate_watch.elapsed_ms();
 

@@ -4,6 +4,7 @@
 #include "app/log.hpp"
 #include "app/model_hub.hpp"
 #include "app/recorder.hpp"
+#include "app/refused_grasps.hpp"
 #include "app/run_book.hpp"
 #include "app/settings.hpp"
 #include "app/vision_work.hpp"
@@ -24,6 +25,7 @@ class CaptureAndLocate : public VisionWork {
     const ModelHub& hub;
     Recorder& recorder;
     RunBook& book;
+    const RefusedGrasps& refused;
   };
 
   CaptureAndLocate(Arena& arena, const Settings& settings, const Neighbours& neighbours);

@@ -133,15 +133,26 @@ void Controller::make_offer(const Action& action) {
                 part.touches_neighbour ? ", touches another" : "", cycle_.status().parts_left);
 }
 
+void Controller::refuse_grasp(int offered_part) {
+  if (offered_part < 0 || static_cast<std::size_t>(offered_part) >= parts_.size()) return;
+  const LocatedPart& part = parts_[static_cast<std::size_t>(offered_part)];
+  const Grasp* grasp = to_.models.grasp(part.template_index, part.grasp_index);
+  if (grasp != nullptr) to_.refused.add(part.T_camera_part * grasp->T_part_gripper);
+}
+
 void Controller::keep_books(const cycle::CycleStatus& before, std::uint16_t answered_command, ResultCode answer) {
   const cycle::CycleStatus& after = cycle_.status();
-  if (after.cycle != before.cycle) to_.book.add_cycle();
+  if (after.cycle != before.cycle) {
+    to_.book.add_cycle();
+    to_.refused.clear();  // the belt has moved on
+  }
   if (after.offer_sequence != before.offer_sequence) to_.book.add_offer();
   if (answer == ResultCode::kOk && answered_command == static_cast<std::uint16_t>(PlcCommand::kPickDone)) {
     to_.book.add_answer(true);
   }
   if (answer == ResultCode::kOk && answered_command == static_cast<std::uint16_t>(PlcCommand::kPickFailed)) {
     to_.book.add_answer(false);
+    refuse_grasp(before.offered_part);
   }
   if (after.state == before.state) return;
   if (after.state == CellState::kFault) to_.book.add_fault(after.fault_code);

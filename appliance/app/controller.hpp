@@ -7,6 +7,7 @@
 #include "app/digital_lines.hpp"
 #include "app/log.hpp"
 #include "app/models.hpp"
+#include "app/refused_grasps.hpp"
 #include "app/run_book.hpp"
 #include "app/vision.hpp"
 #include "cycle/cycle.hpp"
@@ -23,6 +24,7 @@ class Controller {
     plc::PlcExchange& plc;
     Log& log;
     RunBook& book;
+    RefusedGrasps& refused;
   };
 
   Controller(const cycle::CycleConfig& config, std::int64_t plc_timeout_us, const Neighbours& neighbours);
@@ -36,6 +38,7 @@ class Controller {
   cycle::CycleInputs gather(std::int64_t now_us, const plc::PlcView& plc);
   void carry_out(const cycle::Action& action);
   void make_offer(const cycle::Action& action);
+  void refuse_grasp(int offered_part);
   void keep_books(const cycle::CycleStatus& before, std::uint16_t answered_command, ResultCode answer);
   void tell_changes(const cycle::CycleStatus& before, std::uint16_t answered_command, ResultCode answer);
   [[nodiscard]] plc::ApplianceRegisters registers(std::int64_t now_us) const;

@@ -1,11 +1,12 @@
-// The room that the cell's parallel gripper takes on its way in: what a grasp must have free, and what the virtual robot has.
+// The room that the cell's parallel gripper takes on its way in: what a grasp must have free, and what the virtual
+// robot has.
 #pragma once
 
 namespace beltpick {
 
-// Two jaws as boxes in the gripper's frame (z the way in, x the closing direction, origin between the fingertips). Open,
-// each jaw reaches from +-opening/2 outwards in x, is centred in y, and extends from its tip backwards in z. On the way in
-// it sweeps everything behind the tip, so the sweep is the same box without end.
+// Two jaws as boxes in the gripper's frame (z the way in, x the closing direction, origin between the fingertips).
+// Open, each jaw reaches from +-opening/2 outwards in x, is centred in y, and extends from its tip backwards in z. On
+// the way in it sweeps everything behind the tip, so the sweep is the same box without end.
 struct GripperShape {
   double jaw_thickness_mm = 8.0;  // along x
   double jaw_width_mm = 16.0;     // along y

@@ -20,11 +20,12 @@ struct RegisterEntry {
   std::string_view meaning;
 };
 
-// How a PLC drives a cycle. After power-up and after a cleared fault the cell is idle and keeps the belt ("belt may move"
-// is low): start a cycle, or end one (5) to give the view up. A start waits up to signals_agree_ms for line and register
-// to agree that the belt stands, for the robot to be clear, and for settle_ms; then it captures. While "pose valid" is
-// high: pick, answer with 2, 3 or 4 and the offer's number, then look again: another offer, "capture wanted", or "belt
-// may move". "Belt may move" stays until the next start. A fault latches until command 6 and needs its cause gone.
+// How a PLC drives a cycle. After power-up and after a cleared fault the cell is idle and keeps the belt ("belt may
+// move" is low): start a cycle, or end one (5) to give the view up. A start waits up to signals_agree_ms for line and
+// register to agree that the belt stands, for the robot to be clear, and for settle_ms; then it captures. While "pose
+// valid" is high: pick, answer with 2, 3 or 4 and the offer's number, then look again: another offer, "capture wanted",
+// or "belt may move". "Belt may move" stays until the next start. A fault latches until command 6 and needs its cause
+// gone.
 //
 // Commands the PLC writes to `command`, echoed in `command_echo` when done or refused.
 enum class PlcCommand : std::uint16_t {

@@ -62,6 +62,7 @@ LocateOutput Locator::locate(const LocateInput& input, std::span<const PartModel
   result::Scene scene{input.range, input.labels, input.lens, input.belt, input.projector_mm};
   scene.noise_mm = measurement_noise_mm(input.range, input.labels);
   accepted_count_ = tried_count_ = 0;
+  refused_grasps_ = input.refused_grasps;
   book_.begin(scene, input.segments, least_area_mm2(models));
   for (int round = 0; round < kRounds; ++round) {
     const auto objects = book_.next_round(scene, fragment_reach_mm(models));
@@ -188,7 +189,7 @@ LocatedPart Locator::describe(const result::Scene& scene, std::span<const PartMo
   part.segment = accepted.segment;
   part.status = model.symmetric() ? PoseStatus::kAmbiguous : PoseStatus::kVerified;
   part.T_camera_part = candidate.alignment.T_camera_part;
-  part.grasp_index = result::choose_grasp(model, part.T_camera_part, scene, gripper).index;
+  part.grasp_index = result::choose_grasp(model, part.T_camera_part, scene, gripper, refused_grasps_).index;
   part.rms_mm = candidate.evidence.rms_mm;
   part.coverage = candidate.evidence.coverage;
   part.free_space_share = candidate.evidence.violated;

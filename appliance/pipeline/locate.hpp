@@ -26,6 +26,7 @@ struct LocateInput {
   Lens lens;                           // of the camera, or one fitted to a foreign cloud
   std::uint64_t seed = 1;              // of the capture
   std::optional<Vec3> projector_mm{};  // where the light stood, camera frame, where that is known
+  std::span<const Pose<frame::Camera, frame::Gripper>> refused_grasps{};  // with which picks at this stop failed
 };
 
 // Views of the locator's memory, valid until its next locate().
@@ -70,7 +71,8 @@ class Locator {
   result::Drawing drawing_;
   std::vector<PoseFinder> finders_;  // one a worker
   std::unique_ptr<WorkerTeam> team_;
-  std::span<Attempt> attempts_;  // by task of the round
+  std::span<const Pose<frame::Camera, frame::Gripper>> refused_grasps_;  // of the present input
+  std::span<Attempt> attempts_;                                          // by task of the round
   std::span<Accepted> accepted_;
   std::size_t accepted_count_ = 0;
   std::span<LocatedPart> parts_, ranked_;

@@ -15,8 +15,6 @@ constexpr double kClearance_mm = 1.0;
 constexpr double kObstacleArea_mm2 = 3.0;
 constexpr double kLeastDescent = 0.5;  // cosine of 60 degrees
 
-using GripperPose = Pose<frame::Camera, frame::Gripper>;
-
 // The jaws as one frame-aligned test in the gripper's frame.
 struct JawVolume {
   double inner_mm, outer_mm, half_width_mm, length_mm, tip_mm;
@@ -79,6 +77,16 @@ bool meets_belt(const GripperPose& T_camera_gripper, const JawVolume& jaws, cons
   return std::any_of(at.begin(), at.end(), [&](const Vec3& corner) { return scene.belt->height_mm(corner) < 0.0; });
 }
 
+// A part that was touched in vain has moved a little, but the same grasp would fail again.
+bool was_refused(const GripperPose& T_camera_gripper, std::span<const GripperPose> refused) {
+  constexpr double kNear_mm = 10.0;
+  constexpr double kNear_rad = 0.35;
+  return std::any_of(refused.begin(), refused.end(), [&](const GripperPose& failed) {
+    return (failed.translation_mm - T_camera_gripper.translation_mm).norm() < kNear_mm &&
+           rotation_between_rad(failed.rotation, T_camera_gripper.rotation) < kNear_rad;
+  });
+}
+
 }  // namespace
 
 bool clear_of_part(const GraspPose& grasp, std::span<const OrientedPoint> surface, const GripperShape& gripper) {
@@ -99,17 +107,17 @@ Reach reach(const GraspPose& grasp, const PartPose& T_camera_part, const Scene& 
 }
 
 GraspChoice choose_grasp(const PartModel& model, const PartPose& T_camera_part, const Scene& scene,
-                         const GripperShape& gripper) {
+                         const GripperShape& gripper, std::span<const GripperPose> refused) {
   GraspChoice choice;
   for (int i = 0; i < model.grasp_count; ++i) {
     const GraspPose& grasp = model.grasps[static_cast<std::size_t>(i)];
     if (!grasp.clear_of_part) continue;
     const Reach found = reach(grasp, T_camera_part, scene, gripper);
-    if (found == Reach::kReachable) {
+    if (found == Reach::kReachable && !was_refused(T_camera_part * grasp.T_part_gripper, refused)) {
       choice.index = i;
       return choice;
     }
-    choice.any_obstructed = choice.any_obstructed || found == Reach::kObstructed;
+    choice.any_obstructed = choice.any_obstructed || found != Reach::kFromBelow;
   }
   return choice;
 }

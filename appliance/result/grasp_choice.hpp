@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 
 #include "contract/gripper.hpp"
 #include "contract/part_model.hpp"
@@ -9,6 +10,8 @@
 #include "result/scene.hpp"
 
 namespace beltpick::result {
+
+using GripperPose = Pose<frame::Camera, frame::Gripper>;
 
 enum class Reach : std::uint8_t { kReachable, kObstructed, kFromBelow };
 
@@ -24,8 +27,8 @@ struct GraspChoice {
 // Whether the open jaws, in place, are clear of the part itself. A property of the part: asked once, when it is loaded.
 bool clear_of_part(const GraspPose& grasp, std::span<const OrientedPoint> surface, const GripperShape& gripper);
 
-// The first grasp that can be reached.
+// The first grasp that can be reached and is none of `refused`: those with which a pick at this place failed already.
 GraspChoice choose_grasp(const PartModel& model, const PartPose& T_camera_part, const Scene& scene,
-                         const GripperShape& gripper);
+                         const GripperShape& gripper, std::span<const GripperPose> refused = {});
 
 }  // namespace beltpick::result

@@ -17,8 +17,9 @@ struct Bench {
   plc::PlcExchange exchange{plc::WordOrder::kHighFirst};
   Log log;
   RunBook book;
+  RefusedGrasps refused;
   cycle::CycleConfig config;
-  Controller controller{config, 2'000'000, {vision, lines, models, exchange, log, book}};
+  Controller controller{config, 2'000'000, {vision, lines, models, exchange, log, book, refused}};
   std::array<std::uint16_t, kHoldingRegisters> holding{};
   std::array<std::uint16_t, kInputRegisters> inputs{};
   std::int64_t now_us = 5'000'000;
@@ -90,6 +91,28 @@ TEST_CASE("a pose is offered in the robot's frame with its grasp, and taken back
   CHECK(bench.state() == CellState::kBeltReleased);
   CHECK((bench.inputs[2] & kStatusBeltMayMove) != 0);
   for (std::uint16_t address = 20; address < 58; ++address) CHECK(bench.inputs[address] == 0);
+}
+
+TEST_CASE("a grasp that failed is remembered until the next cycle", "[controller]") {
+  Bench bench;
+  bench.models.only_grasp.T_part_gripper.translation_mm = {0, 0, 30};
+  bench.to_offer();
+  std::array<RefusedGrasps::GripperPose, RefusedGrasps::kMost> poses;
+  CHECK(bench.refused.copy(poses).empty());
+  CHECK(bench.command(PlcCommand::kPickFailed, bench.inputs[20]) == 0);
+  const auto refused = bench.refused.copy(poses);
+  REQUIRE(refused.size() == 1);
+  CHECK(refused.front().translation_mm == Vec3(10, 20, 730));
+  bench.step(bench.config.rest.settle_us);
+  bench.vision.capture_ends();
+  bench.step();
+  bench.vision.parts = {};
+  bench.vision.locate_ends();
+  bench.step();
+  CHECK(bench.state() == CellState::kBeltReleased);
+  CHECK(bench.refused.copy(poses).size() == 1);
+  CHECK(bench.command(PlcCommand::kStartCycle) == 0);
+  CHECK(bench.refused.copy(poses).empty());
 }
 
 TEST_CASE("the belt's line, its register and the robot end a capture with their codes", "[controller]") {

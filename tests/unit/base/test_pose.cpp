@@ -8,15 +8,17 @@
 using namespace beltpick;
 
 TEST_CASE("a chained pose takes a point the same way as its links", "[pose]") {
-  Pose<frame::Belt, frame::Camera> T_belt_camera{
-      Eigen::AngleAxisd(0.7, Vec3(1, 2, 3).normalized()).toRotationMatrix(), Vec3(10, -20, 700)};
-  Pose<frame::Camera, frame::Part> T_camera_part{Eigen::AngleAxisd(-1.1, Vec3::UnitY()).toRotationMatrix(), Vec3(1, 2, 3)};
+  Pose<frame::Belt, frame::Camera> T_belt_camera{Eigen::AngleAxisd(0.7, Vec3(1, 2, 3).normalized()).toRotationMatrix(),
+                                                 Vec3(10, -20, 700)};
+  Pose<frame::Camera, frame::Part> T_camera_part{Eigen::AngleAxisd(-1.1, Vec3::UnitY()).toRotationMatrix(),
+                                                 Vec3(1, 2, 3)};
   const Vec3 point_part_mm(4, 5, 6);
   const auto T_belt_part = T_belt_camera * T_camera_part;
   CHECK((T_belt_part * point_part_mm - T_belt_camera * (T_camera_part * point_part_mm)).norm() < 1e-12);
   CHECK((T_belt_part.inverse() * (T_belt_part * point_part_mm) - point_part_mm).norm() < 1e-12);
-  CHECK((Pose<frame::Belt, frame::Part>::from_matrix(T_belt_part.matrix()) * point_part_mm -
-         T_belt_part * point_part_mm).norm() < 1e-12);
+  CHECK(
+      (Pose<frame::Belt, frame::Part>::from_matrix(T_belt_part.matrix()) * point_part_mm - T_belt_part * point_part_mm)
+          .norm() < 1e-12);
 }
 
 TEST_CASE("the angle between rotations is the angle of the turn between them", "[pose]") {

@@ -18,13 +18,18 @@ TEST_CASE("items arrive once and in order across threads", "[ring]") {
   constexpr int kItems = 200000;
   std::thread producer([&] {
     for (int i = 0; i < kItems;) {
-      if (ring.push(i)) ++i; else std::this_thread::yield();
+      if (ring.push(i))
+        ++i;
+      else
+        std::this_thread::yield();
     }
   });
   int expected = 0;
   while (expected < kItems) {
     if (const auto item = ring.pop()) {
-      if (*item != expected) { FAIL("out of order"); }
+      if (*item != expected) {
+        FAIL("out of order");
+      }
       ++expected;
     } else {
       std::this_thread::yield();

@@ -161,6 +161,20 @@ TEST_CASE("a grasp is reachable from above, not from below, and not through an o
   SceneImage alone = render({{&part_shape, truth}});
   CHECK(result::reach(grasp, truth, scene_of(alone), {}) == result::Reach::kReachable);
 
+  // The same grasp is not chosen again where a pick failed with it; turned about, it is another one.
+  PartModel model = part.model();
+  GraspPose turned = grasp;
+  turned.T_part_gripper.rotation.col(0) *= -1.0;
+  turned.T_part_gripper.rotation.col(1) *= -1.0;
+  model.grasps[0] = grasp;
+  model.grasps[1] = turned;
+  model.grasp_count = 2;
+  const result::GripperPose failed = truth * grasp.T_part_gripper;
+  CHECK(result::choose_grasp(model, truth, scene_of(alone), {}).index == 0);
+  CHECK(result::choose_grasp(model, truth, scene_of(alone), {}, {&failed, 1}).index == 1);
+  model.grasp_count = 1;
+  CHECK(result::choose_grasp(model, truth, scene_of(alone), {}, {&failed, 1}).index == -1);
+
   const Mat3 lying = Eigen::AngleAxisd(kPi / 2, Vec3::UnitY()).toRotationMatrix();
   SceneImage crowded = render({{&part_shape, truth}, {&obstacle, on_belt(obstacle, other.part, lying, 0.0, 40.0)}});
   CHECK(result::reach(grasp, truth, scene_of(crowded), {}) == result::Reach::kObstructed);
