@@ -81,6 +81,12 @@ bool determined(const Candidate& candidate, const PartModel& model) {
          turn.eigenvalues().maxCoeff() < kUndetermined_rad * kUndetermined_rad;
 }
 
+// A pose of which nothing but the object itself hides a part.
+bool hidden_by_its_own_object(const Attempt& attempt) {
+  return attempt.stage == Stage::kVerify && attempt.reason.code == ResultCode::kResidualTooHigh &&
+         attempt.best.evidence.unexplained > result::Requirements{}.unexplained;
+}
+
 result::Region region_of(const Object& object, int margin) {
   return {object.row_min - margin, object.row_max + margin, object.col_min - margin, object.col_max + margin};
 }
@@ -110,14 +116,38 @@ Attempt PoseFinder::find(const result::Scene& scene, ImageView<const std::uint16
                          .error();
     return attempt;
   }
+  const Attempt attempt = try_routes(context);
+  if (attempt.verified || !hidden_by_its_own_object(attempt)) return attempt;
+  // The pose may be right, and what hides it another part that was not parted from it: that one is in sight.
+  leave_out(context, attempt.best);
+  if (sample_count_ < kLeastSample) return attempt;
+  const Attempt other = try_routes(context);
+  return other.verified ? other : attempt;
+}
+
+Attempt PoseFinder::try_routes(const Context& context) {
   Attempt attempt;
   for (const Route route : {Route::kPrimitives, Route::kViews}) {
     candidate_count_ = 0;
-    for (int i = 0; i < static_cast<int>(models.size()); ++i) collect(context, i, route);
+    for (int i = 0; i < static_cast<int>(context.models.size()); ++i) collect(context, i, route);
     attempt = decide(context);
     if (attempt.verified) break;
   }
   return attempt;
+}
+
+// Takes from the sample what lies on the part.
+void PoseFinder::leave_out(const Context& context, const Candidate& candidate) {
+  const PartModel& model = context.models[static_cast<std::size_t>(candidate.model_index)];
+  const auto T_part_camera = candidate.alignment.T_camera_part.inverse();
+  const auto reach_mm =
+      static_cast<float>(2.0 * result::surface_tolerance_mm(context.scene, model.spacing_mm)) + model.spacing_mm;
+  const auto all = sample_.first(sample_count_);
+  const auto rest = std::remove_if(all.begin(), all.end(), [&](const OrientedPoint& point) {
+    const Vec3f at = (T_part_camera * point.point_mm.cast<double>()).cast<float>();
+    return (model.nearest(at).point_mm - at).norm() < reach_mm;
+  });
+  sample_count_ = static_cast<std::size_t>(rest - all.begin());
 }
 
 void PoseFinder::collect(const Context& context, int model_index, Route route) {

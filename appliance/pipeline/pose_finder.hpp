@@ -61,6 +61,8 @@ class PoseFinder {
   };
   enum class Route : std::uint8_t { kPrimitives, kViews };
 
+  Attempt try_routes(const Context& context);
+  void leave_out(const Context& context, const Candidate& candidate);
   void collect(const Context& context, int model_index, Route route);
   void search_by_primitives(const Context& context, const PartModel& model, search::HypothesisPool& pool);
   int find_primitives(const Context& context, const PartModel& model, std::span<Primitive> found);
