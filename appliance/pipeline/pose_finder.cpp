@@ -81,10 +81,14 @@ bool determined(const Candidate& candidate, const PartModel& model) {
          turn.eigenvalues().maxCoeff() < kUndetermined_rad * kUndetermined_rad;
 }
 
-// A pose of which nothing but the object itself hides a part.
-bool hidden_by_its_own_object(const Attempt& attempt) {
-  return attempt.stage == Stage::kVerify && attempt.reason.code == ResultCode::kResidualTooHigh &&
-         attempt.best.evidence.unexplained > result::Requirements{}.unexplained;
+// Where to look within an object that is none of the parts as a whole: round its highest point and those far from it.
+constexpr int kNeighbourhoods = 3;
+constexpr double kNeighbourhoodShare = 0.4;  // of the largest part's diagonal
+
+double largest_diagonal_mm(std::span<const PartModel> models) {
+  double largest = 0.0;
+  for (const PartModel& model : models) largest = std::max(largest, model.diagonal_mm);
+  return largest;
 }
 
 result::Region region_of(const Object& object, int margin) {
@@ -116,13 +120,47 @@ Attempt PoseFinder::find(const result::Scene& scene, ImageView<const std::uint16
                          .error();
     return attempt;
   }
-  const Attempt attempt = try_routes(context);
-  if (attempt.verified || !hidden_by_its_own_object(attempt)) return attempt;
-  // The pose may be right, and what hides it another part that was not parted from it: that one is in sight.
-  leave_out(context, attempt.best);
-  if (sample_count_ < kLeastSample) return attempt;
-  const Attempt other = try_routes(context);
-  return other.verified ? other : attempt;
+  const Attempt whole = try_routes(context);
+  if (whole.verified || whole.stage != Stage::kVerify || whole.reason.code == ResultCode::kPoseAmbiguous) return whole;
+  // Parts that were not parted pull a pose between them: what lies close together belongs to one, and the one on top is
+  // in sight.
+  const std::size_t all = sample_count_;
+  Vec3f start = highest(context);
+  for (int neighbourhood = 0; neighbourhood < kNeighbourhoods; ++neighbourhood) {
+    const Vec3f next = gather_round(start, all, static_cast<float>(kNeighbourhoodShare * largest_diagonal_mm(models)));
+    if (sample_count_ == all) return whole;  // the object is no larger than that
+    if (sample_count_ >= kLeastSample) {
+      const Attempt part = try_routes(context);
+      if (part.verified) return part;
+    }
+    start = next;
+  }
+  return whole;
+}
+
+// The point of the sample that lies highest above the belt, or nearest to the camera.
+Vec3f PoseFinder::highest(const Context& context) const {
+  const auto height = [&](const OrientedPoint& point) {
+    const Vec3 place = point.point_mm.cast<double>();
+    return context.scene.belt ? context.scene.belt->height_mm(place) : -place.z();
+  };
+  const auto points = sample();
+  return std::max_element(points.begin(), points.end(),
+                          [&](const auto& a, const auto& b) { return height(a) < height(b); })
+      ->point_mm;
+}
+
+// Moves the points of the whole sample within the radius to its front, in their order, and makes them the sample.
+// Returns the point farthest from `centre_mm`.
+Vec3f PoseFinder::gather_round(const Vec3f& centre_mm, std::size_t all, float radius_mm) {
+  const auto whole = sample_.first(all);
+  const auto distance = [&](const OrientedPoint& point) { return (point.point_mm - centre_mm).norm(); };
+  const Vec3f farthest = std::max_element(whole.begin(), whole.end(), [&](const auto& a, const auto& b) {
+                           return distance(a) < distance(b);
+                         })->point_mm;
+  const auto end = std::partition(whole.begin(), whole.end(), [&](const auto& p) { return distance(p) < radius_mm; });
+  sample_count_ = static_cast<std::size_t>(end - whole.begin());
+  return farthest;
 }
 
 Attempt PoseFinder::try_routes(const Context& context) {
@@ -134,20 +172,6 @@ Attempt PoseFinder::try_routes(const Context& context) {
     if (attempt.verified) break;
   }
   return attempt;
-}
-
-// Takes from the sample what lies on the part.
-void PoseFinder::leave_out(const Context& context, const Candidate& candidate) {
-  const PartModel& model = context.models[static_cast<std::size_t>(candidate.model_index)];
-  const auto T_part_camera = candidate.alignment.T_camera_part.inverse();
-  const auto reach_mm =
-      static_cast<float>(2.0 * result::surface_tolerance_mm(context.scene, model.spacing_mm)) + model.spacing_mm;
-  const auto all = sample_.first(sample_count_);
-  const auto rest = std::remove_if(all.begin(), all.end(), [&](const OrientedPoint& point) {
-    const Vec3f at = (T_part_camera * point.point_mm.cast<double>()).cast<float>();
-    return (model.nearest(at).point_mm - at).norm() < reach_mm;
-  });
-  sample_count_ = static_cast<std::size_t>(rest - all.begin());
 }
 
 void PoseFinder::collect(const Context& context, int model_index, Route route) {

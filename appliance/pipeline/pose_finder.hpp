@@ -41,8 +41,8 @@ class PoseFinder {
   PoseFinder(Arena& arena, const Limits& limits);
 
   // Tries all models on the object. First what its primitives suggest; where that ends without a verified pose, every
-  // view of the part. Same input, same bits.
-  // `owner`: to which object each pixel belongs that is not explained yet; scene.labels holds all there was.
+  // view of the part; then the same on neighbourhoods within the object, which may be several parts. Same input, same
+  // bits. `owner`: to which object each pixel belongs that is not explained yet; scene.labels holds all there was.
   Attempt find(const result::Scene& scene, ImageView<const std::uint16_t> owner, const Object& object,
                std::span<const PartModel> models, std::uint64_t seed);
 
@@ -62,7 +62,8 @@ class PoseFinder {
   enum class Route : std::uint8_t { kPrimitives, kViews };
 
   Attempt try_routes(const Context& context);
-  void leave_out(const Context& context, const Candidate& candidate);
+  [[nodiscard]] Vec3f highest(const Context& context) const;
+  Vec3f gather_round(const Vec3f& centre_mm, std::size_t all, float radius_mm);
   void collect(const Context& context, int model_index, Route route);
   void search_by_primitives(const Context& context, const PartModel& model, search::HypothesisPool& pool);
   int find_primitives(const Context& context, const PartModel& model, std::span<Primitive> found);
