@@ -1,8 +1,8 @@
 // PickPlan: which part of the present view may be offered next, and whether the view must be captured anew.
 //
-// A part that touched the one picked may have moved with it, so its pose is void. Who touched whom is not told, and of
-// two parts that touch perhaps only the upper one was seen to: so a picked part that touched something voids the whole
-// view, any other pick those that touched something. Parts that stand alone stay true while the belt stands. What was
+// A part that touched the one picked may have moved with it, so its pose is void. A part is told to touch something,
+// not what, and that may be an object that was withheld: so a picked part that touched something voids the whole view,
+// any other pick those that touched something. Parts that stand alone stay true while the belt stands. What was
 // withheld may have come free once something was picked.
 #pragma once
 
