@@ -48,6 +48,10 @@ void visit_settings(Settings& s, Visitor& visit) {
   visit.integer("plc.timeout_ms", s.plc_timeout_ms, 100, 600'000,
                 "a heartbeat that does not change for so long is a fault");
   visit.choice("plc.float_order", s.float_order, {{"high-first", "low-first"}}, "the two registers of a Float32");
+  visit.table("service", "What the appliance keeps for the engineer, and its HTTPS API");
+  visit.text(
+      "service.state", s.state,
+      "folder of the store, tokens and certificate; empty: none of them, the files of [model] are used directly");
   visit.table("gripper", "The room the gripper takes on its way in: parts without it are not offered");
   visit.number("gripper.jaw_thickness_mm", s.gripper.jaw_thickness_mm, 0, 1000, "along the closing direction");
   visit.number("gripper.jaw_width_mm", s.gripper.jaw_width_mm, 0, 1000, "across it");

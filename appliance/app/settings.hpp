@@ -42,6 +42,8 @@ struct Settings {
   int plc_timeout_ms = 2000;
   std::string float_order = "high-first";
 
+  std::string state;
+
   GripperShape gripper;
   Limits limits{.templates = 2};  // what a cell needs mostly; each more takes 12 MB
 
