@@ -96,8 +96,28 @@ struct ApiRoute {
 inline constexpr std::uint16_t kDefaultServicePort = 8443;
 inline constexpr std::size_t kMaxJsonBody = 4096;  // of requests other than uploads
 
-// Bodies and answers are JSON except the items themselves, which are their files' bytes. A refusal is
-// {"code": number, "name": "CHECKSUM_WRONG", "detail": "what, where, expected, found", "cause": ..., "remedy": ...}.
+// Bodies and answers are JSON except the items themselves, which are their files' bytes. Members may be added.
+//   CODE          {"code": 18, "name": "CHECKSUM_WRONG", "cause": ..., "remedy": ...}
+//   a refusal     CODE with "detail": one line, what, where, expected, found; with status 429 also "retry_after_s"
+//   VERSION       {"version": 3, "sha256", "bytes", "time", "by", "origin", "removed"}, time in UTC as ISO 8601
+//   health        {"product": "beltpickd", "version": "0.1.0", "time"}
+//   enrol         {"token": the one-time one, "name": who enrols} -> {"token", "name", "role"}
+//   status        {"state", "last_code": CODE, "fault": CODE or null, "model": CODE or null,
+//                  "recipe": {"number", "name"}, "in_use": [{"kind", "name", "version"}],
+//                  "camera": {"ready", "serial"}, "trigger": {"ready"}, "plc": {"connected"},
+//                  "counters": {"cycles", "captures", "offers", "picked", "faults"}, "uptime_s",
+//                  "memory_mb": {"budget", "resident"}, "time", "version", "role": the asker's}
+//   result-codes  {"result_codes": [CODE...]}
+//   self-test     {"time", "worst", "checks": [{"name", "verdict", "found", "cause", "remedy"}]}; time and worst are
+//                 null and checks empty before the first
+//   items         {"items": [{"kind", "name", "current": VERSION, "in_use": version or null}]}
+//   upload        VERSION with "warnings": [text...];  remove and rollback: VERSION
+//   versions      {"kind", "name", "versions": [VERSION...]}, oldest first
+//   tokens        {"tokens": [{"name", "role", "time"}]};  make: {"name", "role"} -> {"token", "name", "role"};
+//                 revoke: {"name"}
+// A downloaded item comes with its version in the header kVersionHeader.
+inline constexpr std::string_view kVersionHeader = "Beltpick-Version";
+
 inline constexpr auto kApiRoutes = std::to_array<ApiRoute>({
     {HttpMethod::kGet, "/api/v1/health", ApiAction::kHealth, Role::kNobody, "product, version, and that it answers"},
     {HttpMethod::kGet, "/api/v1/openapi.json", ApiAction::kOpenApi, Role::kNobody, "this API as an OpenAPI document"},
