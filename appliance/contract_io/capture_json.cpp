@@ -5,8 +5,7 @@
 #include "contract/result_codes.hpp"
 #include "contract_io/capture_io.hpp"
 #include "contract_io/file_io.hpp"
-#include "contract_io/json_reader.hpp"
-#include "contract_io/json_writer.hpp"
+#include "contract_io/sequence_json.hpp"
 
 namespace beltpick::contract_io {
 namespace {
@@ -73,22 +72,6 @@ void warn_of_repeated_files(const Sequence& sequence, JsonDocument& document) {
   }
 }
 
-Sequence read_members(JsonDocument& document, JsonObject& root) {
-  Sequence sequence;
-  sequence.projector = read_projector(root.object("projector"));
-  std::vector<JsonObject> frames = root.objects("frames");
-  if (!document.failed() && (frames.empty() || frames.size() > kMaxFrames)) {
-    root.fail(ResultCode::kValueOutOfRange, "frames", "between 1 and " + std::to_string(kMaxFrames) + " frames",
-              std::to_string(frames.size()));
-  }
-  for (JsonObject& frame : frames) {
-    if (document.failed()) break;
-    sequence.frames.push_back(read_frame(frame));
-  }
-  if (!document.failed()) warn_of_repeated_files(sequence, document);
-  return sequence;
-}
-
 Json to_json(const FrameSpec& frame) {
   static constexpr const char* kKinds[] = {"phase", "gray", "white", "black"};
   Json json = {{"file", frame.file}, {"kind", kKinds[static_cast<std::size_t>(frame.kind)]}};
@@ -108,6 +91,24 @@ Json to_json(const FrameSpec& frame) {
   return json;
 }
 
+}  // namespace
+
+Sequence read_sequence_members(JsonDocument& document, JsonObject& root) {
+  Sequence sequence;
+  sequence.projector = read_projector(root.object("projector"));
+  std::vector<JsonObject> frames = root.objects("frames");
+  if (!document.failed() && (frames.empty() || frames.size() > kMaxFrames)) {
+    root.fail(ResultCode::kValueOutOfRange, "frames", "between 1 and " + std::to_string(kMaxFrames) + " frames",
+              std::to_string(frames.size()));
+  }
+  for (JsonObject& frame : frames) {
+    if (document.failed()) break;
+    sequence.frames.push_back(read_frame(frame));
+  }
+  if (!document.failed()) warn_of_repeated_files(sequence, document);
+  return sequence;
+}
+
 void append_sequence(const Sequence& sequence, Json& json) {
   const bool diamond = sequence.projector.layout == ProjectorLayout::kDiamond;
   json["projector"] = {{"width", sequence.projector.width},
@@ -118,15 +119,13 @@ void append_sequence(const Sequence& sequence, Json& json) {
   json["frames"] = std::move(frames);
 }
 
-}  // namespace
-
 Result<CaptureHeader> parse_capture(std::string_view text, const std::string& name, Warnings& warnings) {
   JsonDocument document(text, name, warnings);
   JsonObject root = document.root({kCaptureFormat, kSequenceFormat}, kVersion);
   CaptureHeader header;
   header.id = root.text("id", "");
   header.full_scale = root.integer("full_scale", {1, 65535}, 0);
-  header.sequence = read_members(document, root);
+  header.sequence = read_sequence_members(document, root);
   root.finish();
   if (document.failed()) return document.error();
   return header;
@@ -147,7 +146,7 @@ Result<Sequence> read_sequence(const std::filesystem::path& path, Warnings& warn
   JsonObject root = document.root({kSequenceFormat, kCaptureFormat}, kVersion);
   root.ignore("id");
   root.ignore("full_scale");
-  const Sequence sequence = read_members(document, root);
+  const Sequence sequence = read_sequence_members(document, root);
   root.finish();
   if (document.failed()) return document.error();
   return sequence;

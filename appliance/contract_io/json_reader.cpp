@@ -113,6 +113,11 @@ const nlohmann::json* JsonObject::find(std::string_view member) {
 
 bool JsonObject::has(std::string_view member) { return find(member) != nullptr; }
 
+bool JsonObject::is_object(std::string_view member) {
+  const nlohmann::json* value = find(member);
+  return value != nullptr && value->is_object();
+}
+
 const nlohmann::json* JsonObject::require(std::string_view member, std::string_view expected, bool optional) {
   const nlohmann::json* value = find(member);
   if (value == nullptr && !optional && value_ != nullptr) {

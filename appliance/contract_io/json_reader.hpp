@@ -63,6 +63,7 @@ class JsonObject {
   JsonObject(JsonDocument& document, const nlohmann::json* value, std::string path);
 
   [[nodiscard]] bool has(std::string_view member);
+  [[nodiscard]] bool is_object(std::string_view member);
   [[nodiscard]] std::string path(std::string_view member) const;
 
   // Required where no default is given.

@@ -7,6 +7,7 @@
 
 #include "contract/result_codes.hpp"
 #include "contract_io/file_io.hpp"
+#include "contract_io/template_judge.hpp"
 
 namespace beltpick::contract_io {
 
@@ -178,22 +179,28 @@ Result<void> read_points(std::string_view payload, std::size_t count, const char
 
 }  // namespace
 
-Result<PartTemplate> read_template(const std::filesystem::path& path) {
-  const auto bytes = read_file(path);
-  if (!bytes) return std::unexpected(bytes.error());
-  const auto parts = take_apart(*bytes, path.c_str());
+Result<PartTemplate> parse_template(std::string_view bytes, const std::string& name, const std::string& source) {
+  const auto parts = take_apart(bytes, source.c_str());
   if (!parts) return std::unexpected(parts.error());
   try {
     const Json json = Json::parse(parts->json);
     PartTemplate part = part_from(json);
-    part.name = path.stem().string();
-    if (auto read = read_points(parts->payload, json.at("points").get<std::size_t>(), path.c_str(), part); !read) {
+    part.name = name;
+    if (auto read = read_points(parts->payload, json.at("points").get<std::size_t>(), source.c_str(), part); !read) {
       return std::unexpected(read.error());
     }
+    if (auto judged = judge_template(part, source); !judged) return std::unexpected(judged.error());
     return part;
   } catch (const Json::exception& error) {
-    return failure(ResultCode::kFormatInvalid, "%s: %s; teach the part again", path.c_str(), error.what());
+    return failure(ResultCode::kFormatInvalid, "%s: %s; teach the part again", source.c_str(),
+                   one_line(error.what()).c_str());
   }
+}
+
+Result<PartTemplate> read_template(const std::filesystem::path& path) {
+  const auto bytes = read_file(path);
+  if (!bytes) return std::unexpected(bytes.error());
+  return parse_template(*bytes, path.stem().string(), one_line(path.string()));
 }
 
 Result<void> write_template(const std::filesystem::path& path, const PartTemplate& part) {

@@ -4,6 +4,8 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
+#include <string_view>
 
 #include "base/result.hpp"
 #include "contract/part_template.hpp"
@@ -13,6 +15,9 @@ namespace beltpick::contract_io {
 // Reads a template; its name becomes the file's stem. Errors: kFileNotFound, kFileUnreadable, kFormatInvalid,
 // kVersionUnsupported, kChecksumWrong, kMemberMissing, kValueOutOfRange.
 Result<PartTemplate> read_template(const std::filesystem::path& path);
+
+// The same from memory: `name` becomes the template's, `source` stands in messages.
+Result<PartTemplate> parse_template(std::string_view bytes, const std::string& name, const std::string& source);
 
 // Writes by way of a temporary file. Errors: kFileNotWritten.
 Result<void> write_template(const std::filesystem::path& path, const PartTemplate& part);

@@ -5,6 +5,7 @@
 #include "contract/result_codes.hpp"
 #include "contract_io/capture_io.hpp"
 #include "contract_io/recipe_io.hpp"
+#include "support/temp_folder.hpp"
 
 using namespace beltpick;
 using namespace beltpick::contract_io;
@@ -87,4 +88,77 @@ TEST_CASE("a recipe's frames have their exposures; a sequence of another project
   std::filesystem::remove(path);
   REQUIRE_FALSE(other);
   CHECK(other.error().code == ResultCode::kCalibrationMismatch);
+}
+
+TEST_CASE("a sequence may stand in the recipe itself", "[recipe]") {
+  const std::string own = R"("sequence": {"projector": {"width": 100, "height": 80}, "frames": [
+    {"file": "0.png", "kind": "gray", "axis": "column", "cell_px": 50, "bit": 0, "exposure_us": 3000},
+    {"file": "1.png", "kind": "white"}]}, "exposure_us": 8000)";
+  std::string text = kGood;
+  text.replace(text.find("\"exposure_us\": 8000"), 19, own);
+  Warnings warnings;
+  const auto recipe = parse_recipe(text, "seven.json", "/cells", warnings);
+  INFO((recipe ? "" : recipe.error().detail));
+  REQUIRE(recipe);
+  CHECK(warnings.empty());
+  REQUIRE(recipe->own_sequence);
+  const auto frames = recipe_sequence(*recipe, {100, 80}, warnings);
+  REQUIRE(frames);
+  CHECK(frames->frames[0].exposure_us == 3000.0);
+  CHECK(frames->frames[1].exposure_us == 8000.0);
+  CHECK(recipe_sequence(*recipe, {912, 1140}, warnings).error().code == ResultCode::kCalibrationMismatch);
+
+  // Written and read back it is the same.
+  const auto back = parse_recipe(recipe_text(*recipe), "seven.json", "/cells", warnings);
+  REQUIRE(back);
+  REQUIRE(back->own_sequence);
+  CHECK(back->own_sequence->frames.size() == 2);
+  CHECK(back->own_sequence->frames[0].cell_px == 50.0);
+
+  text.replace(text.find("\"bit\": 0"), 8, "\"bit\": 99");
+  const auto wrong = parse_recipe(text, "seven.json", "/cells", warnings);
+  REQUIRE_FALSE(wrong);
+  CHECK(wrong.error().text().find("sequence.frames[0].bit") != std::string_view::npos);
+}
+
+TEST_CASE("a recipe that the appliance keeps names its templates and no files", "[recipe]") {
+  Warnings warnings;
+  const auto stored = [&](const std::string& sequence, const std::string& part) {
+    return parse_stored_recipe(R"({"format": "beltpick-recipe", "version": 1, "number": 7, "exposure_us": 8000,
+      "sequence": ")" + sequence + R"(", "templates": [")" +
+                                   part + "\"]}",
+                               "recipe seven", warnings);
+  };
+  CHECK(stored("fast", "knuckle.template")->templates == std::vector<std::string>{"knuckle"});
+  CHECK(stored("fast", "knuckle")->templates == std::vector<std::string>{"knuckle"});
+  CHECK(stored("fast", "parts/knuckle.template").error().code == ResultCode::kValueOutOfRange);
+  CHECK(stored("fast", "").error().code == ResultCode::kValueOutOfRange);
+  const auto path = stored("sequence.json", "knuckle");
+  REQUIRE_FALSE(path);
+  CHECK(path.error().text().find("beltpick upload recipe") != std::string_view::npos);
+}
+
+TEST_CASE("a recipe file becomes portable with its sequence inside and its templates by name", "[recipe]") {
+  const test::TempFolder folder;
+  Warnings warnings;
+  REQUIRE(write_sequence(folder / "sequence.json",
+                         *make_sequence(SequenceName::kFast, {912, 1140}, SequenceAxes::kColumn)));
+  const auto file =
+      folder.file("r.json", R"({"format": "beltpick-recipe", "version": 1, "number": 7, "exposure_us": 8000,
+    "sequence": "sequence.json", "templates": ["parts/knuckle.template", "hub.template"]})");
+  const auto portable = portable_recipe(file, warnings);
+  INFO((portable ? "" : portable.error().detail));
+  REQUIRE(portable);
+  REQUIRE(portable->templates.size() == 2);
+  CHECK(portable->templates[0].name == "knuckle");
+  CHECK(portable->templates[0].path == folder / "parts/knuckle.template");
+  const auto stored = parse_stored_recipe(portable->text, "r", warnings);
+  REQUIRE(stored);
+  CHECK(stored->name == "r");
+  CHECK(stored->templates == std::vector<std::string>{"knuckle", "hub"});
+  CHECK(recipe_sequence(*stored, {912, 1140}, warnings)->frames.size() == 12);
+
+  const auto twins = folder.file("t.json", R"({"format": "beltpick-recipe", "version": 1, "number": 7,
+    "exposure_us": 8000, "templates": ["a/knuckle.template", "b/knuckle.template"]})");
+  CHECK(portable_recipe(twins, warnings).error().code == ResultCode::kValueOutOfRange);
 }
