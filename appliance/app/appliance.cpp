@@ -10,6 +10,7 @@
 #include <ctime>
 
 #include "base/clock.hpp"
+#include "base/thread_priority.hpp"
 
 namespace beltpick::app {
 
@@ -99,9 +100,10 @@ struct Appliance::Threads {
                    {vision, lines, of.stages_->hub, exchange, of.log_, *of.book_, of.stages_->refused}) {}
 
   template <class Step>
-  std::thread loop(const char* name, Step step) {
+  std::thread loop(const char* name, RealtimePriority priority, Step step) {
     Watchdog::Beat& beat = watchdog.add(name, kThreadLimit_ms, monotonic_us());
-    std::thread thread([this, &beat, step] {
+    std::thread thread([this, &beat, priority, step] {
+      make_realtime(priority);
       while (!stop) {
         beat(monotonic_us());
         step();
@@ -156,6 +158,16 @@ void Appliance::lock_memory() {
   }
 }
 
+void Appliance::tell_priority() {
+  const RealtimeSection trial(RealtimePriority::kStream);
+  if (trial.is_realtime()) {
+    log_.write(LogLevel::kInfo, "camera, trigger, PLC and cycle run at real-time priority");
+  } else {
+    log_.write(LogLevel::kWarning, "no real-time priority: raise its limit (ulimit -r, LimitRTPRIO=) to %d",
+               static_cast<int>(RealtimePriority::kStream));
+  }
+}
+
 Result<int> Appliance::run() {
   // Threads inherit the mask: signals reach the supervisor only.
   const sigset_t signals = handled_signals();
@@ -167,13 +179,15 @@ Result<int> Appliance::run() {
                                          .max_clients = settings_.plc_max_clients},
                                         exchange);
   if (!server) return std::unexpected(server.error());
+  tell_priority();
   log_.write(LogLevel::kInfo, "PLC: Modbus TCP on %s port %u", settings_.plc_address.c_str(), (*server)->port());
 
   const auto threads = std::make_unique<Threads>(*this, std::move(*server), exchange);
   stages_->camera.start();
   stages_->trigger.start();
-  threads->plc = threads->loop("plc", [&server = *threads->server] { server.poll(kPlcStep_ms); });
-  threads->cycle = threads->loop("cycle", [&controller = threads->controller] {
+  threads->plc =
+      threads->loop("plc", RealtimePriority::kPlc, [&server = *threads->server] { server.poll(kPlcStep_ms); });
+  threads->cycle = threads->loop("cycle", RealtimePriority::kCycle, [&controller = threads->controller] {
     controller.step(monotonic_us());
     std::this_thread::sleep_for(std::chrono::milliseconds(kCycleStep_ms));
   });
@@ -192,13 +206,15 @@ Result<int> Appliance::run() {
 }
 
 int Appliance::supervise(Threads& threads) {
-  const ServiceNotify notify;
+  ServiceNotify notify;
   notify.tell("READY=1");
   const sigset_t signals = handled_signals();
   std::int64_t told_us = 0;
   for (;;) {
     log_.drain(STDERR_FILENO);
     const std::int64_t now_us = monotonic_us();
+    const plc::ApplianceRegisters shown = threads.exchange.published();
+    notify.tell_state(shown.state, shown.state == CellState::kFault ? shown.fault_code : shown.last_code);
     if (const char* hung = threads.watchdog.hung(now_us)) {
       log_.write(LogLevel::kFault, "the %s thread hangs: ending, so that the belt's permission falls", hung);
       log_.drain(STDERR_FILENO);

@@ -54,6 +54,7 @@ class Appliance {
   struct Threads;
 
   static std::size_t measure(const Settings& settings, Log& log);
+  void tell_priority();
   int supervise(Threads& threads);
   void stop(Threads& threads);
   void write_summary_file() const;

@@ -5,7 +5,11 @@
 #include <sys/socket.h>
 #include <sys/un.h>
 
+#include <array>
 #include <cstdint>
+
+#include "contract/registers.hpp"
+#include "contract/result_codes.hpp"
 
 namespace beltpick::app {
 
@@ -20,6 +24,10 @@ class ServiceNotify {
   // `state` as "READY=1", "STOPPING=1", "WATCHDOG=1"; never blocks.
   void tell(const char* state) const;
 
+  // What `systemctl status` shows: the cell's state, and with `why` not kOk what it waits for or what is wrong. Sent
+  // when it has changed.
+  void tell_state(CellState state, ResultCode why);
+
   // Half the time after which the manager wants a sign of life; 0 when it wants none.
   [[nodiscard]] std::int64_t watchdog_us() const { return watchdog_us_; }
 
@@ -28,6 +36,7 @@ class ServiceNotify {
   sockaddr_un to_{};
   socklen_t size_ = 0;
   std::int64_t watchdog_us_ = 0;
+  std::array<char, 320> status_{};  // told last
 };
 
 }  // namespace beltpick::app

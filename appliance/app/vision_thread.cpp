@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "base/clock.hpp"
+#include "base/thread_priority.hpp"
 #include "contract/result_codes.hpp"
 
 namespace beltpick::app {
@@ -94,7 +95,10 @@ void VisionThread::run() {
 }
 
 void VisionThread::do_capture(std::uint16_t capture) {
-  const auto done = work_.capture(capture, cancel_);
+  const auto done = [&] {
+    const RealtimeSection section(RealtimePriority::kCapture);
+    return work_.capture(capture, cancel_);
+  }();
   if (!done) tell_failure("capture", capture, done.error());
   const std::lock_guard lock(mutex_);
   capture_outcome_ = {true, capture, done ? ResultCode::kOk : done.error().code};

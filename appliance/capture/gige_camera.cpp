@@ -6,6 +6,7 @@
 
 #include <cstring>
 
+#include "base/thread_priority.hpp"
 #include "capture/receive_buffer.hpp"
 #include "contract/result_codes.hpp"
 
@@ -46,8 +47,10 @@ bool has_entry(ArvCamera* camera, const char* feature, const char* entry) {
   return found;
 }
 
-void name_thread(void*, ArvStreamCallbackType type, ArvBuffer*) {
-  if (type == ARV_STREAM_CALLBACK_TYPE_INIT) ::pthread_setname_np(::pthread_self(), "aravis-stream");
+void prepare_thread(void*, ArvStreamCallbackType type, ArvBuffer*) {
+  if (type != ARV_STREAM_CALLBACK_TYPE_INIT) return;
+  ::pthread_setname_np(::pthread_self(), "aravis-stream");
+  make_realtime(RealtimePriority::kStream);
 }
 
 ResultCode code_of(ArvBufferStatus status) {
@@ -174,8 +177,9 @@ Result<void> GigeCamera::configure_exposure() {
 Result<void> GigeCamera::start_stream(std::span<std::uint8_t> memory) {
   arv_camera_gv_set_stream_options(
       camera_, config_.packet_socket ? ARV_GV_STREAM_OPTION_NONE : ARV_GV_STREAM_OPTION_PACKET_SOCKET_DISABLED);
-  Result<void> done = step(config_, ResultCode::kCameraLost, "stream",
-                           [&](GError** e) { stream_ = arv_camera_create_stream(camera_, name_thread, nullptr, e); });
+  Result<void> done = step(config_, ResultCode::kCameraLost, "stream", [&](GError** e) {
+    stream_ = arv_camera_create_stream(camera_, prepare_thread, nullptr, e);
+  });
   if (!done) return done;
   set_stream_options();
   const std::size_t frame_bytes = memory.size() / static_cast<std::size_t>(config_.buffers);

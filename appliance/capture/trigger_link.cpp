@@ -7,6 +7,7 @@
 #include <chrono>
 
 #include "base/clock.hpp"
+#include "base/thread_priority.hpp"
 #include "capture/serial_port.hpp"
 #include "contract/result_codes.hpp"
 
@@ -93,6 +94,7 @@ bool TriggerLink::pause(int milliseconds) {
 }
 
 void TriggerLink::run() {
+  make_realtime(RealtimePriority::kTrigger);
   while (!pause(0)) {
     if (fd_ < 0 && !open_tty()) {
       if (pause(kReopenMs)) break;

@@ -13,9 +13,15 @@ PlcView PlcExchange::view() const {
 
 void PlcExchange::publish(const ApplianceRegisters& registers, std::optional<Answer> answer) {
   const std::lock_guard lock(mutex_);
+  published_ = registers;
   encode(registers, order_, inputs_);
   if (answer) handshake_.answer(answer->ticket, answer->code);
   show_handshake();
+}
+
+ApplianceRegisters PlcExchange::published() const {
+  const std::lock_guard lock(mutex_);
+  return published_;
 }
 
 void PlcExchange::copy_inputs(InputImage to) const {

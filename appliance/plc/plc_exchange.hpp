@@ -34,6 +34,9 @@ class PlcExchange {
   };
   void publish(const ApplianceRegisters& registers, std::optional<Answer> answer = std::nullopt);
 
+  // From any thread: what was published last.
+  [[nodiscard]] ApplianceRegisters published() const;
+
   // The Modbus server's side.
   void copy_inputs(InputImage to) const;
   void holding_written(std::span<const std::uint16_t, kHoldingRegisters> holding, std::int64_t now_us);
@@ -44,6 +47,7 @@ class PlcExchange {
   mutable std::mutex mutex_;
   WordOrder order_;
   std::array<std::uint16_t, kInputRegisters> inputs_{};
+  ApplianceRegisters published_;
   CommandHandshake handshake_;
   PlcView view_;
   std::uint16_t heartbeat_ = 0;

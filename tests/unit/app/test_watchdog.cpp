@@ -35,12 +35,18 @@ TEST_CASE("the service manager hears what it is told", "[notify]") {
   REQUIRE(bind(listener, reinterpret_cast<sockaddr*>(&at), sizeof at) == 0);
   setenv("NOTIFY_SOCKET", path.c_str(), 1);
   setenv("WATCHDOG_USEC", "3000000", 1);
-  const ServiceNotify notify;
+  ServiceNotify notify;
   CHECK(notify.watchdog_us() == 1'500'000);
   notify.tell("READY=1");
   char heard[32] = {};
   CHECK(recv(listener, heard, sizeof heard, MSG_DONTWAIT) == 7);
   CHECK(std::string(heard) == "READY=1");
+  char told[400] = {};
+  notify.tell_state(beltpick::CellState::kFault, beltpick::ResultCode::kEmergencyStop);
+  notify.tell_state(beltpick::CellState::kFault, beltpick::ResultCode::kEmergencyStop);
+  CHECK(recv(listener, told, sizeof told - 1, MSG_DONTWAIT) > 0);
+  CHECK(std::string(told).starts_with("STATUS=fault: 113 EMERGENCY_STOP: "));
+  CHECK(recv(listener, told, sizeof told, MSG_DONTWAIT) == -1);  // said once
   close(listener);
   unlink(path.c_str());
   unsetenv("NOTIFY_SOCKET");

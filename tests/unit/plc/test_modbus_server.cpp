@@ -204,10 +204,14 @@ TEST_CASE("clients that come and go by the hundred leave room", "[server]") {
     if (i % 3 == 0) client.say({1, 2, 3});
     if (i % 3 == 1) client.say(kReadOne);
   }
-  for (int i = 0; i < 100 && served.server->clients() > 0; ++i)
+  // Those that the server has not even accepted yet still take its places for a moment.
+  bool answers = false;
+  for (int i = 0; i < 100 && !answers; ++i) {
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
-  Client client(served.server->port());
-  CHECK(client.cycle() == 4321);
+    Client client(served.server->port());
+    answers = client.cycle() == 4321;
+  }
+  CHECK(answers);
 }
 
 TEST_CASE("a port that is taken is named", "[server]") {
