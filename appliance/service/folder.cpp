@@ -78,7 +78,6 @@ Folder::Answer<Folder> Folder::sub(const std::string& name) const {
 
 Folder::Answer<Folder> Folder::make_sub(const std::string& name) const {
   if (mkdirat(descriptor_.get(), name.c_str(), kFolderMode) != 0 && errno != EEXIST) return last_error();
-  // Flushed even where it was there: whoever made it may have died before that.
   if (const int error = sync(); error != 0) return std::unexpected(error);
   return sub(name);
 }

@@ -41,7 +41,7 @@ class Folder {
 
   // A folder in this one; ENOENT where there is none, ELOOP or ENOTDIR where it is something else.
   [[nodiscard]] Answer<Folder> sub(const std::string& name) const;
-  // The same, made where it is missing.
+  // The same, made where it is missing, and flushed in any case: whoever made it may have died before that.
   [[nodiscard]] Answer<Folder> make_sub(const std::string& name) const;
 
   // Everything in it, sorted.

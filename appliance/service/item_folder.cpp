@@ -65,6 +65,13 @@ void ItemFolder::set_aside(const Folder& folder, const std::string& name, const 
   warnings.push_back(why + "; it does not count any more and was " + outcome + "; upload it again where it is missed");
 }
 
+void ItemFolder::clear_away(const Folder& folder, const std::string& name, std::vector<std::string>& warnings) const {
+  const int error = folder.remove(name);
+  warnings.push_back(shown(name) + ": writing it was interrupted; " +
+                     (error == 0 ? "cleared away" : std::string("left there: ") + std::strerror(error)) +
+                     "; the version before it stays current");
+}
+
 void ItemFolder::scan_version(const Folder& folder, const std::string& name, std::uint32_t number,
                               std::vector<std::string>& warnings) {
   last_number_ = std::max(last_number_, number);
@@ -103,16 +110,12 @@ void ItemFolder::scan(const Folder& folder, std::vector<std::string>& warnings) 
       last_number_ = std::max(last_number_, damaged);
       damaged_.push_back(damaged);
     } else if (number_of(name, kPart) > 0) {
-      const int error = folder.remove(name);
-      warnings.push_back(shown(name) + ": writing it was interrupted; " +
-                         (error == 0 ? "cleared away" : std::string("left there: ") + std::strerror(error)) +
-                         "; the version before it stays current");
+      clear_away(folder, name, warnings);
     } else {
       warnings.push_back(shown(name) + ": not a file of the store; left alone");
     }
   }
   std::ranges::sort(damaged_);
-  (void)folder.sync();
 }
 
 const VersionInfo* ItemFolder::find(std::uint32_t version) const {

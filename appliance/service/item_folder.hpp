@@ -46,6 +46,7 @@ class ItemFolder {
                     std::vector<std::string>& warnings);
   void set_aside(const Folder& folder, const std::string& name, const std::string& why,
                  std::vector<std::string>& warnings) const;
+  void clear_away(const Folder& folder, const std::string& name, std::vector<std::string>& warnings) const;
   [[nodiscard]] std::string shown(const std::string& name) const;
 
   ItemId id_;

@@ -61,15 +61,20 @@ struct Store::State {
     const Folder::Answer<Folder> kind = root.sub(std::string(item_kind(id.kind).name));
     return kind ? kind->sub(id.name) : std::unexpected(kind.error());
   }
-  [[nodiscard]] Folder::Answer<Folder> make_folder(const ItemId& id) const {
-    const Folder::Answer<Folder> kind = root.make_sub(std::string(item_kind(id.kind).name));
-    return kind ? kind->make_sub(id.name) : std::unexpected(kind.error());
-  }
-
+  [[nodiscard]] Folder::Answer<Folder> make_folder(const ItemId& id) const;
   void scan_kind(const ItemKindEntry& kind, std::vector<std::string>& warnings);
   [[nodiscard]] Result<Version> read(const ItemId& id, std::uint32_t version) const;
   Result<VersionInfo> add(const ItemId& id, VersionInfo info, std::string_view bytes);
 };
+
+Folder::Answer<Folder> Store::State::make_folder(const ItemId& id) const {
+  // With a version in it the folder itself was flushed to the disk. Without one somebody may have died before that.
+  if (const ItemFolder* item = find(id); item != nullptr && item->newest() != nullptr) {
+    if (Folder::Answer<Folder> known = open_folder(id)) return known;
+  }
+  const Folder::Answer<Folder> kind = root.make_sub(std::string(item_kind(id.kind).name));
+  return kind ? kind->make_sub(id.name) : std::unexpected(kind.error());
+}
 
 void Store::State::scan_kind(const ItemKindEntry& kind, std::vector<std::string>& warnings) {
   const auto warn = [&](const std::string& name, const char* what) {

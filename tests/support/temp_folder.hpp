@@ -2,6 +2,7 @@
 #pragma once
 
 #include <stdlib.h>
+#include <unistd.h>
 
 #include <filesystem>
 #include <fstream>
@@ -12,10 +13,16 @@
 
 namespace beltpick::test {
 
+// A folder in memory where there is one, else any temporary one: for thousands of small files.
+inline std::filesystem::path memory_folder() {
+  constexpr const char* kShared = "/dev/shm";
+  return access(kShared, W_OK | X_OK) == 0 ? kShared : std::filesystem::temp_directory_path();
+}
+
 class TempFolder {
  public:
-  TempFolder() {
-    std::string pattern = (std::filesystem::temp_directory_path() / "beltpick_test_XXXXXX").string();
+  explicit TempFolder(const std::filesystem::path& parent = std::filesystem::temp_directory_path()) {
+    std::string pattern = (parent / "beltpick_test_XXXXXX").string();
     if (mkdtemp(pattern.data()) == nullptr) throw std::runtime_error("no temporary folder");
     path_ = pattern;
   }

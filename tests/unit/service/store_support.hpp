@@ -1,27 +1,19 @@
-// What the tests of the store share: items whose bytes are known from their number, and a store of a folder.
+// What the tests of the store share: two items, and a store of a folder.
 #pragma once
 
 #include <catch2/catch.hpp>
 #include <filesystem>
-#include <random>
 #include <string>
 #include <vector>
 
 #include "service/store.hpp"
+#include "support/store/expected.hpp"
 #include "support/temp_folder.hpp"
 
 namespace beltpick::test {
 
 inline const service::ItemId kCalibrationItem{ItemKind::kCalibration, "calibration"};
 inline const service::ItemId kKnuckle{ItemKind::kTemplate, "knuckle"};
-
-// `size` bytes that only this seed makes.
-inline std::string seeded_bytes(std::uint32_t seed, std::size_t size) {
-  std::mt19937 random(seed);
-  std::string bytes(size, '\0');
-  for (char& byte : bytes) byte = static_cast<char>(random() & 0xffU);
-  return bytes;
-}
 
 struct Opened {
   std::vector<std::string> warnings;
