@@ -44,6 +44,7 @@ double fragment_reach_mm(std::span<const PartModel> models) {
 Locator::Locator(Arena& arena, const Limits& limits, int workers)
     : book_(arena, limits),
       drawing_(arena, limits),
+      shadows_(arena, limits),
       attempts_(arena.take<Attempt>("locate: results", static_cast<std::size_t>(limits.segments))),
       accepted_(arena.take<Accepted>("locate: results", static_cast<std::size_t>(limits.parts))),
       parts_(arena.take<LocatedPart>("locate: results", static_cast<std::size_t>(limits.parts))),
@@ -59,7 +60,8 @@ Locator::Locator(Arena& arena, const Limits& limits, int workers)
 }
 
 LocateOutput Locator::locate(const LocateInput& input, std::span<const PartModel> models, const GripperShape& gripper) {
-  result::Scene scene{input.range, input.labels, input.lens, input.belt, input.projector_mm};
+  shadows_.cast(input.range, input.projector_mm, input.belt);
+  result::Scene scene{input.range, input.labels, input.lens, input.belt, input.projector_mm, &shadows_};
   scene.noise_mm = measurement_noise_mm(input.range, input.labels);
   accepted_count_ = tried_count_ = 0;
   refused_grasps_ = input.refused_grasps;

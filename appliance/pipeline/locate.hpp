@@ -69,6 +69,7 @@ class Locator {
 
   ObjectBook book_;
   result::Drawing drawing_;
+  result::ShadowMap shadows_;
   std::vector<PoseFinder> finders_;  // one a worker
   std::unique_ptr<WorkerTeam> team_;
   std::span<const Pose<frame::Camera, frame::Gripper>> refused_grasps_;  // of the present input

@@ -40,6 +40,10 @@ bool lit(const VisiblePoint& point, const std::optional<Vec3>& light_mm) {
   return point.normal.dot(toward) > 0.15F * toward.norm();
 }
 
+bool in_shadow(const Scene& scene, const Vec3f& point_mm, const Vec3f& normal, const Tolerance& tolerance) {
+  return scene.shadows != nullptr && scene.shadows->hides(point_mm, normal, tolerance.free_space_mm);
+}
+
 // The surface point against the pixels round it: matched if any matches, for a pose that is right may be a pixel off;
 // violated only if all agree, so that seeing past an edge is no evidence.
 class Lookup {
@@ -99,7 +103,7 @@ Evidence weigh(const Drawing& drawing, const PartModel& model, const PartPose& T
                             static_cast<float>(free_space_tolerance_mm(scene, model.spacing_mm))};
   const Lookup lookup(scene, model, T_camera_part, tolerance, std::max(1, drawing.factor() / 2));
   Evidence evidence;
-  double total = 0.0, inside = 0.0, matched = 0.0, violated = 0.0, occluded = 0.0, contradicted = 0.0,
+  double total = 0.0, inside = 0.0, matched = 0.0, violated = 0.0, occluded = 0.0, contradicted = 0.0, shadowed = 0.0,
          unexplained = 0.0, square_mm2 = 0.0;
   for (const VisiblePoint& point : drawing.visible()) {
     if (!lit(point, scene.light_mm)) continue;
@@ -122,15 +126,18 @@ Evidence weigh(const Drawing& drawing, const PartModel& model, const PartPose& T
         contradicted += point.area;
         break;
       case Finding::kMissing:
+        if (in_shadow(scene, point.point_mm, point.normal, tolerance)) shadowed += point.area;
         break;
     }
   }
+  const double judged = inside - occluded - shadowed;
   evidence.in_view = share(inside, total);
   evidence.support = share(matched, total);
-  evidence.coverage = share(matched, inside - occluded);
-  evidence.violated = share(violated, inside - occluded);
+  evidence.coverage = share(matched, judged);
+  evidence.violated = share(violated, judged);
   evidence.contradicted = share(contradicted + violated, matched + contradicted + violated);
   evidence.occluded = share(occluded, inside);
+  evidence.shadowed = share(shadowed, inside);
   evidence.unexplained = share(unexplained, inside);
   evidence.continued = continued_outline(drawing, model, T_camera_part, scene, tolerance_mm);
   if (scene.belt) evidence.sunk = sunk_share(model, T_camera_part, *scene.belt, tolerance_mm);
@@ -169,6 +176,7 @@ double first_impression(const PartModel& model, const PartPose& T_camera_part, c
     if (!scene.range.point_mm.contains(row, col)) continue;
     const Finding finding = compare(scene.range.point_mm(row, col), point, normal, tolerance);
     if (finding == Finding::kOccluded) continue;
+    if (finding == Finding::kMissing && in_shadow(scene, point, normal, tolerance)) continue;
     ++judged;
     --unjudged;
     matched += finding == Finding::kMatched ? 1 : 0;

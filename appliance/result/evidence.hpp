@@ -15,10 +15,11 @@ namespace beltpick::result {
 struct Evidence {
   double in_view = 0.0;       // of what the camera could see of the part, what lies inside the image
   double support = 0.0;       // of what the camera could see of the part, what was measured where the pose says
-  double coverage = 0.0;      // the same, of what lies inside the image and behind nothing else
+  double coverage = 0.0;      // the same, of what lies inside the image, behind nothing else and in no shadow
   double violated = 0.0;      // of that, what was seen to be empty: measured clearly behind
   double contradicted = 0.0;  // of what was measured at all there, what lies off the surface, in front or behind
   double occluded = 0.0;      // of what lies inside the image, what something measured in front hides
+  double shadowed = 0.0;      // of what lies inside the image, what is missing and lies in a cast shadow
   double unexplained =
       0.0;  // of what lies inside the image, what the object itself hides: it has more to it than the part
   double continued = 0.0;  // of the outline, where the object goes on as if it were larger than the part

@@ -6,6 +6,7 @@
 
 #include "base/stages.hpp"
 #include "contract/calibration.hpp"
+#include "result/shadow.hpp"
 
 namespace beltpick::result {
 
@@ -16,8 +17,9 @@ struct Scene {
   ImageView<const std::uint16_t> labels;  // the segments; 0 is the belt or nothing
   Lens lens;                              // that drew the range image: the camera's, or one fitted to a foreign cloud
   std::optional<Plane> belt;
-  std::optional<Vec3> light_mm{};  // where the projector stands, camera frame, where known
-  double noise_mm = 0.05;          // typical standard deviation of a measured point
+  std::optional<Vec3> light_mm{};      // where the projector stands, camera frame, where known
+  const ShadowMap* shadows = nullptr;  // that it cast, where they were looked for
+  double noise_mm = 0.05;              // typical standard deviation of a measured point
 };
 
 // A rectangle of pixels, inclusive; may reach beyond the image.

@@ -9,6 +9,8 @@ namespace {
 
 // Of the surface tolerance: far above what noise leaves, far below points spread over the tolerance.
 constexpr double kResidualShare = 0.35;
+// What lacks support is told to be out of view where less of it than this is inside the image.
+constexpr double kMostlyInView = 0.6;
 
 }  // namespace
 
@@ -49,11 +51,12 @@ Result<void> judge(const Evidence& evidence, double tolerance_mm, const Requirem
                    "a foreign object",
                    100.0 * evidence.coverage, 100.0 * required.coverage);
   }
-  if (evidence.in_view < required.in_view) {
+  if (evidence.support < required.support && evidence.in_view < kMostlyInView) {
     return failure(
         ResultCode::kPartlyOutOfView,
-        "%.0f %% of the part is inside the image, expected at least %.0f %%; it is seen whole on its next lap",
-        100.0 * evidence.in_view, 100.0 * required.in_view);
+        "only %.0f %% of the part was measured, expected at least %.0f %%: %.0f %% of it is inside the image; "
+        "it is seen whole on its next lap",
+        100.0 * evidence.support, 100.0 * required.support, 100.0 * evidence.in_view);
   }
   if (evidence.support < required.support) {
     return failure(ResultCode::kCoverageTooLow,

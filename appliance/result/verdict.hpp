@@ -9,7 +9,6 @@ namespace beltpick::result {
 // What a pose must show. The same for every part and scene: shares need no tuning, and the distances they rest on
 // follow from noise and template (scene.hpp).
 struct Requirements {
-  double in_view = 0.40;       // least share of the part inside the image
   double support = 0.25;       // least share of the part that was measured where the pose says
   double coverage = 0.50;      // the same, of what could have been measured; shadows and highlights leave gaps
   double contradicted = 0.02;  // greatest share of what was measured there that lies off the surface

@@ -85,6 +85,8 @@ double normal_noise(Random& random) {
 
 }  // namespace
 
+Vec3 scene_light_mm() { return {-380.0, 20.0, 30.0}; }
+
 Plane scene_belt() {
   const auto T = T_camera_belt();
   Plane plane;
@@ -150,7 +152,7 @@ SceneImage render(const std::vector<Placed>& placed, const SceneOptions& options
   image.label.assign(size, 0);
   std::vector<Traced> parts;
   for (const Placed& p : placed) parts.emplace_back(p);
-  const Vec3 projector(-380.0, 20.0, 30.0);
+  const Vec3 projector = scene_light_mm();
   Random random(options.seed, 9);
   for (int row = 0; row < options.height; ++row) {
     for (int col = 0; col < options.width; ++col) {

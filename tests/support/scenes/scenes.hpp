@@ -46,6 +46,9 @@ struct SceneImage {
 // The belt of all scenes, 700 mm away, leaning by 6 degrees.
 Plane scene_belt();
 
+// Where the light of all scenes stands, camera frame.
+Vec3 scene_light_mm();
+
 // A pose with the given rotation (belt frame's z up) whose lowest point lies on the belt at (x, y) mm from its middle.
 Pose<frame::Camera, frame::Part> on_belt(const Shape& shape, const PartTemplate& part, const Mat3& rotation_belt_part,
                                          double x_mm, double y_mm);
