@@ -163,15 +163,20 @@ Vec3f PoseFinder::gather_round(const Vec3f& centre_mm, std::size_t all, float ra
   return farthest;
 }
 
+// The first route that ends with a verified pose, or the one that came nearest to it.
 Attempt PoseFinder::try_routes(const Context& context) {
-  Attempt attempt;
-  for (const Route route : {Route::kPrimitives, Route::kViews}) {
+  Attempt nearest;
+  nearest.stage = Stage::kSegment;
+  for (const Route route : {Route::kPrimitives, Route::kViews, Route::kPlanes}) {
     candidate_count_ = 0;
     for (int i = 0; i < static_cast<int>(context.models.size()); ++i) collect(context, i, route);
-    attempt = decide(context);
-    if (attempt.verified) break;
+    const Attempt attempt = decide(context);
+    if (attempt.verified) return attempt;
+    const bool farther = attempt.stage == nearest.stage ? attempt.best.strength > nearest.best.strength
+                                                        : attempt.stage > nearest.stage;
+    if (farther) nearest = attempt;
   }
-  return attempt;
+  return nearest;
 }
 
 void PoseFinder::collect(const Context& context, int model_index, Route route) {
@@ -179,6 +184,8 @@ void PoseFinder::collect(const Context& context, int model_index, Route route) {
   search::HypothesisPool pool(pool_storage_);
   if (route == Route::kPrimitives) {
     search_by_primitives(context, model, pool);
+  } else if (route == Route::kPlanes) {
+    search_by_planes(context, model, pool);
   } else {
     const auto sample = this->sample().first(std::min(sample_count_, kSearchSample));
     search::search_views({model, sample, static_cast<float>(coarse_radius_mm(model))}, pool);
@@ -196,6 +203,21 @@ void PoseFinder::search_by_primitives(const Context& context, const PartModel& m
       search::search_from_primitive(input, taught, found[static_cast<std::size_t>(i)], pool);
     }
   }
+}
+
+// A face may be all that is measured of a part that stands on the other one, or reaches out of the image.
+void PoseFinder::search_by_planes(const Context& context, const PartModel& model, search::HypothesisPool& pool) {
+  primitives::PrimitiveQuery query;
+  query.kind = PrimitiveKind::kPlane;
+  query.sigma_mm = std::max(context.scene.noise_mm, 0.1);
+  query.min_share = 0.2;
+  query.max_trials = 400;
+  Random random(context.seed, 3);
+  const auto face = finder_.find(sample(), query, random);
+  if (!face) return;
+  const auto sample = this->sample().first(std::min(sample_count_, kSearchSample));
+  const search::SearchInput input{model, sample, static_cast<float>(coarse_radius_mm(model))};
+  for (const Primitive& taught : model.taught()) search::search_from_primitive(input, taught, *face, pool);
 }
 
 int PoseFinder::find_primitives(const Context& context, const PartModel& model, std::span<Primitive> found) {

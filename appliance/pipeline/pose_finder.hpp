@@ -59,13 +59,14 @@ class PoseFinder {
     std::span<const PartModel> models;
     std::uint64_t seed;
   };
-  enum class Route : std::uint8_t { kPrimitives, kViews };
+  enum class Route : std::uint8_t { kPrimitives, kViews, kPlanes };
 
   Attempt try_routes(const Context& context);
   [[nodiscard]] Vec3f highest(const Context& context) const;
   Vec3f gather_round(const Vec3f& centre_mm, std::size_t all, float radius_mm);
   void collect(const Context& context, int model_index, Route route);
   void search_by_primitives(const Context& context, const PartModel& model, search::HypothesisPool& pool);
+  void search_by_planes(const Context& context, const PartModel& model, search::HypothesisPool& pool);
   int find_primitives(const Context& context, const PartModel& model, std::span<Primitive> found);
   void shortlist(const Context& context, int model_index, Route route, search::HypothesisPool& pool);
   void align_fully(const Context& context, Candidate& candidate);

@@ -108,6 +108,33 @@ TEST_CASE("objects that were not parted, and parts in pieces, are found all the 
   CHECK(found.parts[0].template_index != found.parts[1].template_index);
 }
 
+TEST_CASE("a part that stands on one face and reaches out of the image is found by the other") {
+  Shape shape = knuckle();
+  for (const double side : {1.0, -1.0}) {
+    Primitive face;
+    face.direction = side * Vec3::UnitY();
+    face.point_mm = 35.0 * face.direction;
+    shape.primitives.push_back(face);
+  }
+  const LoadedPart loaded(shape);
+  Locator locator(test_limits(), 1);
+  for (const double turn_deg : {-30.0, -20.0, 10.0}) {
+    const Mat3 standing =
+        (Eigen::AngleAxisd(rad_from_deg(turn_deg), Vec3::UnitZ()) * Eigen::AngleAxisd(kPi / 2, Vec3::UnitX()))
+            .toRotationMatrix();
+    const auto truth = on_belt(shape, loaded.part, standing, 170.0, 20.0);
+    SceneImage image = render({{&shape, truth}});
+    auto input = input_of(image);
+    input.projector_mm = scene_light_mm();
+    const auto found = locator.made.locate(input, loaded.store.made.models());
+    INFO(turn_deg);
+    REQUIRE(found.parts.size() == 1);
+    const PoseDifference d = difference_modulo_symmetry(found.parts[0].T_camera_part, truth, loaded.model());
+    CHECK(d.translation_mm < 1.0);
+    CHECK(deg_from_rad(d.rotation_rad) < 1.0);
+  }
+}
+
 TEST_CASE("any number of workers gives the same bits, and so does doing it again") {
   const Shape shape = bracket();
   const LoadedPart loaded(shape);
