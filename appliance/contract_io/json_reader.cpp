@@ -83,11 +83,15 @@ void JsonDocument::fail(ResultCode code, std::string_view member, std::string_vi
 
 void JsonDocument::warn(const std::string& text) { warnings_.push_back(one_line(name_ + ": " + text)); }
 
-JsonObject JsonDocument::root(std::initializer_list<std::string_view> formats, int version) {
+JsonObject JsonDocument::message() {
   if (!failed() && !value_.is_object()) {
-    fail(ResultCode::kFormatInvalid, "the file", "a JSON object", describe(value_), "is it the right file?");
+    fail(ResultCode::kFormatInvalid, "the top", "a JSON object", describe(value_), "is it the right file?");
   }
-  JsonObject object(*this, failed() ? nullptr : &value_, "");
+  return {*this, failed() ? nullptr : &value_, ""};
+}
+
+JsonObject JsonDocument::root(std::initializer_list<std::string_view> formats, int version) {
+  JsonObject object = message();
   object.choice("format", formats);
   const int number = object.integer("version", {0, 1e9});
   if (!failed() && number != version) {

@@ -32,6 +32,8 @@ class JsonDocument {
 
   // The top-level object, after checking that its `format` is one of `formats` and its `version` the one known.
   JsonObject root(std::initializer_list<std::string_view> formats, int version);
+  // The top-level object of a message, which has no format of its own.
+  JsonObject message();
 
   [[nodiscard]] bool failed() const { return error_.has_value(); }
   [[nodiscard]] std::unexpected<Error> error() const { return std::unexpected(*error_); }

@@ -15,7 +15,6 @@ namespace beltpick::service {
 namespace {
 
 constexpr mode_t kFolderMode = 0750;
-constexpr mode_t kFileMode = 0640;
 
 std::unexpected<int> last_error() { return std::unexpected(errno); }
 
@@ -124,18 +123,19 @@ Folder::Answer<std::string> Folder::read(const std::string& name, std::size_t ma
   return bytes;
 }
 
-int Folder::write_temporary(const std::string& temporary, std::string_view head, std::string_view body) const {
+int Folder::write_temporary(const std::string& temporary, std::string_view head, std::string_view body,
+                            mode_t mode) const {
   const Descriptor file(openat(descriptor_.get(), temporary.c_str(),
-                               O_WRONLY | O_CREAT | O_TRUNC | O_NOFOLLOW | O_CLOEXEC | O_NONBLOCK, kFileMode));
+                               O_WRONLY | O_CREAT | O_TRUNC | O_NOFOLLOW | O_CLOEXEC | O_NONBLOCK, mode));
   if (!file.open()) return errno;
   if (const int error = write_all(file.get(), head); error != 0) return error;
   if (const int error = write_all(file.get(), body); error != 0) return error;
   return flush(file.get());
 }
 
-int Folder::write(const std::string& name, const std::string& temporary, std::string_view head,
-                  std::string_view body) const {
-  int error = write_temporary(temporary, head, body);
+int Folder::write(const std::string& name, const std::string& temporary, std::string_view head, std::string_view body,
+                  mode_t mode) const {
+  int error = write_temporary(temporary, head, body, mode);
   if (error == 0) error = rename(temporary, name);
   if (error != 0) {
     (void)remove(temporary);

@@ -3,6 +3,8 @@
 // symbolic links in it are not followed. Errors are errno's numbers.
 #pragma once
 
+#include <sys/types.h>
+
 #include <cstddef>
 #include <expected>
 #include <filesystem>
@@ -36,6 +38,8 @@ class Folder {
   template <class T>
   using Answer = std::expected<T, int>;
 
+  static constexpr mode_t kFileMode = 0640;
+
   // Makes `path` and its parents where they are missing. `path` itself may be a symbolic link.
   static Answer<Folder> make(const std::filesystem::path& path);
 
@@ -53,7 +57,7 @@ class Folder {
   // Makes `name` of two pieces by way of `temporary`: when 0 comes back it is on the disk to stay; after an error it is
   // not there, nor is the temporary.
   [[nodiscard]] int write(const std::string& name, const std::string& temporary, std::string_view head,
-                          std::string_view body) const;
+                          std::string_view body, mode_t mode = kFileMode) const;
 
   // Not flushed to the disk: sync() does that.
   [[nodiscard]] int rename(const std::string& from, const std::string& to) const;
@@ -66,7 +70,8 @@ class Folder {
  private:
   explicit Folder(Descriptor descriptor) : descriptor_(std::move(descriptor)) {}
 
-  [[nodiscard]] int write_temporary(const std::string& temporary, std::string_view head, std::string_view body) const;
+  [[nodiscard]] int write_temporary(const std::string& temporary, std::string_view head, std::string_view body,
+                                    mode_t mode) const;
 
   Descriptor descriptor_;
 };

@@ -23,8 +23,8 @@ std::string self_test_json(const SelfTestReport& report) {
   contract_io::Json json;
   json["format"] = "beltpick-self-test";
   json["version"] = 1;
-  json["time_utc"] = report.time_utc;
-  json["verdict"] = std::string(verdict_name(report.worst()));
+  json["time"] = report.time_utc;
+  json["worst"] = std::string(verdict_name(report.worst()));
   json["checks"] = contract_io::Json::array();
   for (const Check& check : report.checks) {
     contract_io::Json entry;

@@ -7,9 +7,8 @@
 
 namespace beltpick::service {
 
-// {"format": "beltpick-self-test", "version": 1, "time_utc": ..., "verdict": the worst one, "checks": [{"name",
-//  "verdict": "good" | "warning" | "failed" | "skipped", "found", "cause", "remedy"}]}, ending with a newline. Cause
-//  and
+// {"format": "beltpick-self-test", "version": 1, "time": ..., "worst": the worst verdict, "checks": [{"name",
+// "verdict": "good" | "warning" | "failed" | "skipped", "found", "cause", "remedy"}]}, ending with a newline. Cause and
 // remedy are empty where there is nothing to mend.
 std::string self_test_json(const SelfTestReport& report);
 

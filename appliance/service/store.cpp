@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
-#include <ctime>
 #include <map>
 #include <mutex>
 #include <utility>
@@ -15,20 +14,12 @@
 #include "service/folder.hpp"
 #include "service/item_folder.hpp"
 #include "service/sha256.hpp"
+#include "service/utc.hpp"
 
 namespace beltpick::service {
 namespace {
 
 constexpr const char* kLockFile = "lock";
-
-std::string now_utc() {
-  const std::time_t now = std::time(nullptr);
-  std::tm broken{};
-  gmtime_r(&now, &broken);
-  char text[32];
-  std::strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%SZ", &broken);
-  return text;
-}
 
 // "template knuckle"; "calibration".
 std::string in_words(const ItemId& id) {

@@ -1,0 +1,11 @@
+// Wall-clock time as it stands in files and answers.
+#pragma once
+
+#include <string>
+
+namespace beltpick::service {
+
+// Now, "2026-01-31T12:34:56Z".
+std::string now_utc();
+
+}  // namespace beltpick::service
