@@ -2,7 +2,6 @@
 
 #include <pthread.h>
 #include <chrono>
-#include <cstring>
 
 #include "capture/gige_camera.hpp"
 #include "contract/result_codes.hpp"
@@ -53,7 +52,12 @@ Error Camera::last_error() const {
 
 std::string Camera::serial() const {
   const std::lock_guard lock(mutex_);
-  return serial_;
+  return facts_ ? facts_->serial : std::string();
+}
+
+std::optional<CameraFacts> Camera::facts() const {
+  const std::lock_guard lock(mutex_);
+  return facts_;
 }
 
 void Camera::remember(const Error& error) {
@@ -72,6 +76,7 @@ void Camera::keep() {
   do {
     if (state_ != CameraState::kReady) {
       open();
+      tried_ = true;
       silences = 0;
       continue;
     }
@@ -99,7 +104,7 @@ void Camera::open() {
   camera_ = std::move(*opened);
   {
     const std::lock_guard guard(mutex_);
-    std::strncpy(serial_, camera_->serial().c_str(), sizeof serial_ - 1);
+    facts_ = camera_->facts();
   }
   state_ = CameraState::kReady;
 }

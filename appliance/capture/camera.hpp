@@ -22,6 +22,17 @@ namespace beltpick::capture {
 class Camera;
 class GigeCamera;
 
+// What the camera that was opened last told of itself, for the self-test.
+struct CameraFacts {
+  std::string model;
+  std::string serial;
+  std::string address;  // IPv4
+  int sensor_width = 0;
+  int sensor_height = 0;
+  bool trigger_width = false;  // ExposureMode TriggerWidth; without it the exposure time is fixed
+  int packet_bytes = 0;        // of its stream, IP header included
+};
+
 struct CameraConfig {
   std::string id;  // IPv4 address (best), or serial number
   int width = 1280;
@@ -82,6 +93,10 @@ class Camera {
   [[nodiscard]] Error last_error() const;
   // Serial number of the camera opened last; empty before.
   [[nodiscard]] std::string serial() const;
+  // Nothing while no camera was opened yet.
+  [[nodiscard]] std::optional<CameraFacts> facts() const;
+  // True once it is known whether the camera can be opened.
+  [[nodiscard]] bool tried() const { return tried_; }
 
   // For one capture thread. Fails with last_error() while the camera is not ready.
   Result<CameraLease> lease();
@@ -103,12 +118,13 @@ class Camera {
 
   std::timed_mutex in_use_;  // held by a lease, and by the keeper while it opens and closes
   std::unique_ptr<GigeCamera> camera_;
+  std::atomic<bool> tried_{false};
 
   mutable std::mutex mutex_;  // guards what follows
   std::condition_variable stop_wanted_;
   bool stopping_ = false;
   Error error_;
-  char serial_[64]{};
+  std::optional<CameraFacts> facts_;
   std::thread keeper_;
 };
 

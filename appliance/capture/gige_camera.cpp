@@ -68,6 +68,31 @@ in_addr address_of(ArvDevice* device) {
   return address;
 }
 
+std::string address_text(in_addr address) {
+  char text[INET_ADDRSTRLEN]{};
+  ::inet_ntop(AF_INET, &address, text, sizeof text);
+  return text;
+}
+
+std::unexpected<Error> in_use(const CameraConfig& config, GvcpProbe& probe) {
+  const auto holder = probe.controller(kFirstAnswerMs).value_or(GvcpProbe::Controller{});
+  const std::string where = holder.address.s_addr == 0 ? "" : " at " + address_text(holder.address);
+  return failure(ResultCode::kCameraInUse, "camera %s: another program%s controls it; end that program",
+                 config.id.c_str(), where.c_str());
+}
+
+// Aravis needs seconds to find out that nobody is there, or that somebody else has the camera.
+Result<void> ask_first(const CameraConfig& config, in_addr address) {
+  GvcpProbe probe(address);
+  const auto controller = probe.controller(kFirstAnswerMs);
+  if (!controller) {
+    return failure(ResultCode::kCameraNotFound, "camera %s: does not answer; check address, cable and power",
+                   config.id.c_str());
+  }
+  if (controller->there) return in_use(config, probe);
+  return {};
+}
+
 }  // namespace
 
 GigeCamera::GigeCamera(const CameraConfig& config) : config_(config) {
@@ -76,11 +101,9 @@ GigeCamera::GigeCamera(const CameraConfig& config) : config_(config) {
 }
 
 Result<std::unique_ptr<GigeCamera>> GigeCamera::open(const CameraConfig& config, std::span<std::uint8_t> memory) {
-  // Aravis takes seconds to find out that nobody is there.
   in_addr address{};
-  if (::inet_pton(AF_INET, config.id.c_str(), &address) == 1 && !GvcpProbe(address).answers(kFirstAnswerMs)) {
-    return failure(ResultCode::kCameraNotFound, "camera %s: does not answer; check address, cable and power",
-                   config.id.c_str());
+  if (::inet_pton(AF_INET, config.id.c_str(), &address) == 1) {
+    if (const auto there = ask_first(config, address); !there) return std::unexpected(there.error());
   }
   std::unique_ptr<GigeCamera> camera(new GigeCamera(config));
   Result<void> done = camera->connect();
@@ -118,10 +141,16 @@ Result<void> GigeCamera::connect() {
   lost_signal_ =
       g_signal_connect_swapped(device, "control-lost", G_CALLBACK(+[](GigeCamera* self) { self->lost_ = true; }), this);
   probe_.emplace(address_of(device));
-  return step(config_, ResultCode::kCameraLost, "serial number", [&](GError** e) {
-    const char* serial = arv_camera_get_device_serial_number(camera_, e);
-    if (serial != nullptr) serial_ = serial;
-  });
+  if (!arv_gv_device_is_controller(ARV_GV_DEVICE(device))) return in_use(config_, *probe_);
+  facts_.address = address_text(address_of(device));
+  return identify();
+}
+
+Result<void> GigeCamera::identify() {
+  const auto text = [](const char* found) { return std::string(found != nullptr ? found : ""); };
+  try_step([&](GError** e) { facts_.model = text(arv_camera_get_model_name(camera_, e)); });
+  return step(config_, ResultCode::kCameraLost, "serial number",
+              [&](GError** e) { facts_.serial = text(arv_camera_get_device_serial_number(camera_, e)); });
 }
 
 Result<void> GigeCamera::configure() {
@@ -147,6 +176,8 @@ Result<void> GigeCamera::configure_region() {
   Result<void> done = step(config_, ResultCode::kCameraLost, "sensor size",
                            [&](GError** e) { arv_camera_get_sensor_size(camera_, &sensor_width, &sensor_height, e); });
   if (!done) return done;
+  facts_.sensor_width = sensor_width;
+  facts_.sensor_height = sensor_height;
   if (sensor_width < config_.width || sensor_height < config_.height) {
     return failure(ResultCode::kFrameWrongSize,
                    "camera %s: expected a sensor of at least %dx%d, found %dx%d; correct the configured size",
@@ -165,7 +196,8 @@ Result<void> GigeCamera::configure_exposure() {
   try_step([&](GError** e) {
     if (arv_camera_is_gain_auto_available(camera_, e)) arv_camera_set_gain_auto(camera_, ARV_AUTO_OFF, e);
   });
-  if (has_entry(camera_, "ExposureMode", "TriggerWidth")) {
+  facts_.trigger_width = has_entry(camera_, "ExposureMode", "TriggerWidth");
+  if (facts_.trigger_width) {
     return step(config_, ResultCode::kCameraLost, "exposure mode",
                 [&](GError** e) { arv_camera_set_string(camera_, "ExposureMode", "TriggerWidth", e); });
   }
@@ -182,6 +214,7 @@ Result<void> GigeCamera::start_stream(std::span<std::uint8_t> memory) {
   });
   if (!done) return done;
   set_stream_options();
+  try_step([&](GError** e) { facts_.packet_bytes = static_cast<int>(arv_camera_gv_get_packet_size(camera_, e)); });
   const std::size_t frame_bytes = memory.size() / static_cast<std::size_t>(config_.buffers);
   for (int i = 0; i < config_.buffers; ++i) {
     arv_stream_push_buffer(stream_,

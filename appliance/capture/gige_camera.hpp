@@ -36,13 +36,14 @@ class GigeCamera {
   // replies.
   void abandon();
   bool answers(int timeout_ms) { return probe_->answers(timeout_ms); }
-  [[nodiscard]] const std::string& serial() const { return serial_; }
+  [[nodiscard]] const CameraFacts& facts() const { return facts_; }
   [[nodiscard]] unsigned generation() const { return generation_; }
 
  private:
   explicit GigeCamera(const CameraConfig& config);
 
   Result<void> connect();
+  Result<void> identify();
   Result<void> configure();
   Result<void> configure_region();
   Result<void> configure_exposure();
@@ -54,7 +55,7 @@ class GigeCamera {
   ArvStream* stream_ = nullptr;
   unsigned long lost_signal_ = 0;
   std::optional<GvcpProbe> probe_;
-  std::string serial_;
+  CameraFacts facts_;
   unsigned generation_ = 0;
   std::atomic<bool> lost_{false};
 };

@@ -5,6 +5,8 @@
 #include <netinet/in.h>
 
 #include <cstdint>
+#include <optional>
+#include <span>
 
 namespace beltpick::capture {
 
@@ -20,7 +22,20 @@ class GvcpProbe {
   // with.
   bool answers(int timeout_ms);
 
+  // Who may change the camera's settings at present, as anybody may ask.
+  struct Controller {
+    bool there = false;
+    in_addr address{};  // 0.0.0.0 where the camera does not tell
+  };
+  // Nothing when the camera did not answer.
+  std::optional<Controller> controller(int timeout_ms);
+
  private:
+  // Sends a command and waits for its acknowledge; the bytes received, 0 when none came in time.
+  std::size_t ask(std::uint8_t command, std::span<const std::uint8_t> payload, std::span<std::uint8_t> answer,
+                  int timeout_ms);
+  std::optional<std::uint32_t> read_register(std::uint32_t address, int timeout_ms);
+
   int socket_ = -1;
   std::uint16_t request_id_ = 0;
 };

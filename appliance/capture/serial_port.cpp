@@ -1,6 +1,7 @@
 #include "capture/serial_port.hpp"
 
 #include <fcntl.h>
+#include <sys/file.h>
 #include <termios.h>
 #include <unistd.h>
 
@@ -17,6 +18,10 @@ Result<int> open_serial(const char* path) {
     return failure(ResultCode::kTriggerLost,
                    "trigger %s: cannot be opened (%s); check its cable and the configured tty", path,
                    std::strerror(errno));
+  }
+  if (::flock(fd, LOCK_EX | LOCK_NB) != 0) {
+    ::close(fd);
+    return failure(ResultCode::kTriggerLost, "trigger %s: another program uses it; end that program", path);
   }
   termios settings{};
   if (::tcgetattr(fd, &settings) != 0) {

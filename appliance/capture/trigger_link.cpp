@@ -82,6 +82,11 @@ TriggerInputs TriggerLink::inputs() const {
           inputs_changed_us_};
 }
 
+std::optional<protocol::Identity> TriggerLink::identity() const {
+  const std::lock_guard lock(mutex_);
+  return identity_;
+}
+
 protocol::StatusReport TriggerLink::status() const {
   const std::lock_guard lock(mutex_);
   return status_;
@@ -188,8 +193,7 @@ void TriggerLink::take_message() {
   if (header.type == Type::kReply) {
     take_reply(header);
   } else if (header.type == Type::kIdentity) {
-    identified_ = true;
-    polled_us_ = 0;
+    take_identity();
   } else if (header.type == Type::kStatusReport) {
     take_status(header);
   } else {
@@ -209,6 +213,15 @@ void TriggerLink::settle_request(std::uint8_t sequence, Refusal refusal) {
   if (!pending_.waiting || sequence != pending_.sequence) return;
   pending_.refusal = refusal;
   changed_.notify_all();
+}
+
+void TriggerLink::take_identity() {
+  protocol::Identity identity;
+  if (!protocol::decode_payload(decoder_.message(), decoder_.size(), identity)) return;
+  identified_ = true;
+  polled_us_ = 0;
+  const std::lock_guard lock(mutex_);
+  identity_ = identity;
 }
 
 void TriggerLink::take_status(const protocol::Header& header) {

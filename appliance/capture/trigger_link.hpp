@@ -61,6 +61,8 @@ class TriggerLink {
   // Why it is not: kTriggerLost with the reason.
   [[nodiscard]] Error last_error() const;
   [[nodiscard]] TriggerInputs inputs() const;
+  // The firmware found last; nothing before.
+  [[nodiscard]] std::optional<protocol::Identity> identity() const;
   // The latest STATUS of the firmware; at most poll_ms old while connected.
   [[nodiscard]] protocol::StatusReport status() const;
 
@@ -96,6 +98,7 @@ class TriggerLink {
   void take_reply(const protocol::Header& header);
   void settle_request(std::uint8_t sequence, protocol::Refusal refusal);
   void take_event(const protocol::Header& header);
+  void take_identity();
   void take_status(const protocol::Header& header);
   void take_fault(const protocol::FaultEvent& fault);
   void take_inputs(std::uint8_t inputs);
@@ -126,6 +129,7 @@ class TriggerLink {
   int fd_ = -1;
   Pending pending_;
   protocol::StatusReport status_;
+  std::optional<protocol::Identity> identity_;
   std::uint16_t next_arm_id_ = 0;
   Error error_;
   bool stopping_ = false;

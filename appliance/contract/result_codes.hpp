@@ -73,6 +73,7 @@ enum class ResultCode : std::uint16_t {
   kCaptureTimeout = 123,
   kInternal = 124,
   kProcessingTimeout = 125,
+  kCameraInUse = 126,
   // Why an object was withheld.
   kObjectTooSmall = 150,
   kNoHypothesis = 151,
@@ -200,6 +201,8 @@ inline constexpr auto kResultCodes = std::to_array<ResultCodeEntry>({
     {ResultCode::kInternal, "INTERNAL", "a fault in beltpick itself", "send the log to the maintainer"},
     {ResultCode::kProcessingTimeout, "PROCESSING_TIMEOUT", "locating the parts took longer than processing_timeout_ms",
      "fewer parts or templates at once, or raise the time"},
+    {ResultCode::kCameraInUse, "CAMERA_IN_USE", "another program controls the camera",
+     "end the other program (a viewer, a second beltpickd); it is taken once it is free"},
     {ResultCode::kObjectTooSmall, "OBJECT_TOO_SMALL", "the object has too few points to judge",
      "dirt, or a part mostly hidden"},
     {ResultCode::kNoHypothesis, "NO_HYPOTHESIS", "no template fits the object even roughly",
