@@ -9,6 +9,7 @@
 
 #include "app/appliance.hpp"
 #include "contract/result_codes.hpp"
+#include "service/service.hpp"
 
 namespace {
 
@@ -19,6 +20,8 @@ constexpr const char* kHelp =
     "\n"
     "  beltpickd --config FILE            run until SIGTERM; SIGHUP reads the model files anew\n"
     "  beltpickd --config FILE --check    judge configuration and files, print the memory budget, exit\n"
+    "  beltpickd --config FILE --new-one-time-token    write a token that enrols an engineer once into the state "
+    "folder\n"
     "  beltpickd --print-config           print the default configuration with every key's meaning\n"
     "  beltpickd --help\n"
     "\n"
@@ -29,6 +32,7 @@ constexpr const char* kHelp =
 struct Options {
   std::string config;
   bool check = false;
+  bool new_one_time_token = false;
   bool print_config = false;
   bool help = false;
 };
@@ -43,12 +47,14 @@ std::optional<Options> parse(int argc, char** argv) {
       options.config = argument.substr(std::strlen("--config="));
     } else if (argument == "--check") {
       options.check = true;
+    } else if (argument == "--new-one-time-token") {
+      options.new_one_time_token = true;
     } else if (argument == "--print-config") {
       options.print_config = true;
     } else if (argument == "--help" || argument == "-h") {
       options.help = true;
     } else {
-      std::fprintf(stderr, "beltpickd: '%s': expected --config FILE, --check, --print-config or --help; see --help\n",
+      std::fprintf(stderr, "beltpickd: '%s': expected an option that --help names, found another; see --help\n",
                    argument.c_str());
       return std::nullopt;
     }
@@ -63,10 +69,21 @@ int fail(const Error& error) {
   return 1;
 }
 
+int make_one_time_token(const app::Settings& settings) {
+  if (settings.state.empty()) {
+    return fail(failure(ResultCode::kUsage, "service.state: expected a state folder, found none; set it").error());
+  }
+  const auto path = service::new_one_time_token(app::from_settings(settings, settings.state));
+  if (!path) return fail(path.error());
+  std::printf("%s holds a token that enrols once: beltpick enrol --to HOST\n", path->c_str());
+  return 0;
+}
+
 int serve(const Options& options, app::Log& log) {
   std::vector<std::string> warnings;
   const auto settings = app::read_settings(options.config, warnings);
   if (!settings) return fail(settings.error());
+  if (options.new_one_time_token) return make_one_time_token(*settings);
   for (const std::string& warning : warnings) log.write(app::LogLevel::kWarning, "%s", warning.c_str());
 
   app::Appliance appliance(*settings, log);

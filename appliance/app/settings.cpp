@@ -52,6 +52,15 @@ void visit_settings(Settings& s, Visitor& visit) {
   visit.text(
       "service.state", s.state,
       "folder of the store, tokens and certificate; empty: none of them, the files of [model] are used directly");
+  visit.flag("service.enabled", s.service_enabled, "serve the HTTPS API, where there is a state folder");
+  visit.text("service.address", s.service_address,
+             "this machine only, until another of its addresses, or :: for all, stands here");
+  visit.integer("service.port", s.service_port, 1, 65535, "TCP port");
+  visit.integer("service.connections", s.service_connections, 2, 256, "at once");
+  visit.integer("service.connections_per_address", s.service_connections_per_address, 1, 256, "at once, of one client");
+  visit.integer("service.requests_per_minute", s.service_requests_per_minute, 10, 10'000'000, "of one client");
+  visit.integer("service.request_s", s.service_request_s, 1, 3600, "a request and its answer may take so long");
+  visit.integer("service.idle_s", s.service_idle_s, 1, 3600, "a client that sends nothing for so long is cut off");
   visit.table("gripper", "The room the gripper takes on its way in: parts without it are not offered");
   visit.number("gripper.jaw_thickness_mm", s.gripper.jaw_thickness_mm, 0, 1000, "along the closing direction");
   visit.number("gripper.jaw_width_mm", s.gripper.jaw_width_mm, 0, 1000, "across it");

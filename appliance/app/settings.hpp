@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "base/result.hpp"
+#include "contract/api.hpp"
 #include "contract/gripper.hpp"
 #include "contract/limits.hpp"
 
@@ -43,6 +44,14 @@ struct Settings {
   std::string float_order = "high-first";
 
   std::string state;
+  bool service_enabled = true;
+  std::string service_address = "127.0.0.1";
+  int service_port = kDefaultServicePort;
+  int service_connections = 32;
+  int service_connections_per_address = 8;
+  int service_requests_per_minute = 600;
+  int service_request_s = 30;
+  int service_idle_s = 10;
 
   GripperShape gripper;
   Limits limits{.templates = 2};  // what a cell needs mostly; each more takes 12 MB

@@ -1,5 +1,8 @@
 #include "service/service.hpp"
 
+#include <sys/stat.h>
+#include <unistd.h>
+
 #include <cstring>
 
 #include "contract/result_codes.hpp"
@@ -44,7 +47,11 @@ Result<std::filesystem::path> new_one_time_token(const std::filesystem::path& st
   const auto folder = open_state(state);
   if (!folder) return std::unexpected(folder.error());
   if (const auto written = write_one_time_token(*folder); !written) return std::unexpected(written.error());
-  return state / kOneTimeTokenFile;
+  const std::filesystem::path path = state / kOneTimeTokenFile;
+  struct stat owner {};
+  // Written by root, it is for the service's user to read.
+  if (geteuid() == 0 && stat(state.c_str(), &owner) == 0) (void)!chown(path.c_str(), owner.st_uid, owner.st_gid);
+  return path;
 }
 
 }  // namespace beltpick::service
