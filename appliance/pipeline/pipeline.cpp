@@ -6,7 +6,11 @@
 namespace beltpick::pipeline {
 
 Pipeline::Pipeline(Arena& arena, const Limits& limits, int workers)
-    : limits_(limits), store_(arena, limits), segmenter_(arena, limits), locator_(arena, limits, workers) {}
+    : limits_(limits),
+      store_(arena, limits),
+      segmenter_(arena, limits),
+      light_finder_(arena, limits),
+      locator_(arena, limits, workers) {}
 
 Result<void> Pipeline::load(std::span<const PartTemplate> templates, const GripperShape& gripper) {
   gripper_ = gripper;
@@ -25,8 +29,10 @@ Result<Located> Pipeline::locate(const View& view) {
   located.objects = segmenter_.segment(view.range);
   located.segment_ms = segmenting.elapsed_ms();
   const Stopwatch locating;
+  const auto light_mm =
+      view.projector_mm ? view.projector_mm : light_finder_.find(view.range, view.lens, located.objects.belt);
   located.found = locator_.locate({view.range, located.objects.labels, located.objects.segments, located.objects.belt,
-                                   view.lens, view.seed, view.projector_mm},
+                                   view.lens, view.seed, light_mm},
                                   store_.models(), gripper_);
   located.locate_ms = locating.elapsed_ms();
   return located;

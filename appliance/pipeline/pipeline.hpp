@@ -28,6 +28,7 @@
 #include "contract/gripper.hpp"
 #include "contract/limits.hpp"
 #include "contract/part_template.hpp"
+#include "pipeline/light_fit.hpp"
 #include "pipeline/locate.hpp"
 #include "pipeline/model_store.hpp"
 #include "segment/segmenter.hpp"
@@ -38,7 +39,7 @@ namespace beltpick::pipeline {
 struct View {
   RangeImage range;
   Lens lens;                           // of the camera; of a foreign cloud the one that fit_lens() finds
-  std::optional<Vec3> projector_mm{};  // where the light stood, camera frame, where that is known
+  std::optional<Vec3> projector_mm{};  // where the light stood, camera frame; looked for in the shadows if not known
   std::uint64_t seed = 1;              // of the capture
 };
 
@@ -68,6 +69,7 @@ class Pipeline {
   GripperShape gripper_;
   ModelStore store_;
   segment::Segmenter segmenter_;
+  LightFinder light_finder_;
   Locator locator_;
 };
 
