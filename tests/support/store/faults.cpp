@@ -90,33 +90,48 @@ std::vector<DiskCall> calls_of(const fs::path& folder, const DiskImage& before, 
   return calls;
 }
 
-// The step in this process, disturbed; then again, undisturbed.
-std::string fail_and_repeat(const fs::path& folder, const DisturbedStep& step, const DiskScript& script,
-                            bool& acknowledged) {
-  Result<service::Store> store = open_store(folder);
+// The step in this process, disturbed, and what is not as it must be in the store after that.
+std::string fail_step(service::Store& store, const DisturbedStep& step, const DiskScript& script, bool& acknowledged) {
   start_disk_script(script);
-  const Result<service::VersionInfo> disturbed = do_step(*store, step.next);
+  const Result<service::VersionInfo> disturbed = do_step(store, step.next);
   (void)stop_disk_script();
   acknowledged = disturbed.has_value();
-  const Comparison after = compare(*store, expected_of(step, acknowledged), DisturbedStep::kKeep);
+  const Comparison after = compare(store, expected_of(step, acknowledged), DisturbedStep::kKeep);
   if (!after.trouble.empty()) return after.trouble;
   if (after.in_flight_came) return "refused, but there";
+  if (!acknowledged && disturbed.error().code != ResultCode::kFileNotWritten) return "not kFileNotWritten";
+  return "";
+}
+
+// The step disturbed, then, where it was refused, undisturbed.
+std::string fail_and_repeat(const fs::path& folder, const DisturbedStep& step, const DiskScript& script) {
+  Result<service::Store> store = open_store(folder);
+  bool acknowledged = false;
+  if (std::string trouble = fail_step(*store, step, script, acknowledged); !trouble.empty()) return trouble;
   if (acknowledged) return "";
-  if (disturbed.error().code != ResultCode::kFileNotWritten) return "another error than kFileNotWritten";
-  const Result<service::VersionInfo> again = do_step(*store, step.next);
-  if (!again) return "not taken when the disk works again: " + std::string(again.error().text());
+  if (const auto again = do_step(*store, step.next); !again) return "not taken when the disk works again";
   return compare(*store, expected_of(step, true), DisturbedStep::kKeep).trouble;
 }
 
 void fail_and_compare(const fs::path& folder, const DiskImage& before, const DisturbedStep& step,
                       const DiskScript& script, FaultCounts& counts) {
+  const std::string where =
+      step.name + ", call " + std::to_string(script.at) + " failing with " + std::to_string(script.error);
+  write_image(before, folder);
+  Comparison found{fail_and_repeat(folder, step, script), false};
+  if (found.trouble.empty()) found = compare(folder, expected_of(step, true), DisturbedStep::kKeep);
+  count(counts, found, true, where);
+
   write_image(before, folder);
   bool acknowledged = false;
-  Comparison found;
-  found.trouble = fail_and_repeat(folder, step, script, acknowledged);
-  if (found.trouble.empty()) found = compare(folder, expected_of(step, true), DisturbedStep::kKeep);
-  count(counts, found, acknowledged,
-        step.name + ", call " + std::to_string(script.at) + " failing with " + std::to_string(script.error));
+  {
+    Result<service::Store> store = open_store(folder);
+    found.trouble = fail_step(*store, step, script, acknowledged);
+  }
+  if (found.trouble.empty()) found = compare(folder, expected_of(step, acknowledged), DisturbedStep::kKeep);
+  // Where the disk fails for good, what was renamed cannot be taken back.
+  if (found.in_flight_came && script.event == DiskEvent::kFail) found.trouble = "refused, but there when opened anew";
+  count(counts, found, acknowledged, where);
 }
 
 // A damaged newest version: those before it, and the number is not given again.

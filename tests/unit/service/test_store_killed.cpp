@@ -48,7 +48,7 @@ TEST_CASE("every call fails") {
   for (const DisturbedStep& step : disturbed_steps(kItemBytes)) {
     const FaultCounts counts = fail_at_every_call(temp / "store", step);
     CHECK(counts.trouble == "");
-    CHECK(counts.cases >= 4 * 6);
+    CHECK(counts.cases >= 8 * 6);
   }
 }
 
