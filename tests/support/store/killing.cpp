@@ -53,12 +53,15 @@ std::vector<ExpectedItem> fresh_items() {
   return items;
 }
 
-bool upload_one(service::Store& store, const service::ItemId& id, Upload& upload) {
+// What the next upload is to be; the version number is the one it must get.
+void plan_upload(const service::Store& store, const service::ItemId& id, std::mt19937& random, std::size_t max_bytes,
+                 Upload& upload) {
   const auto versions = store.versions(id);
-  upload.removes = upload.removes && store.current(id).has_value() && !item_kind(id.kind).single;
+  upload.seed = static_cast<std::uint32_t>(random());
+  upload.removes = random() % kRemoveEvery == 0 && store.current(id).has_value() && !item_kind(id.kind).single;
   upload.version = versions.empty() ? 1 : versions.back().version + 1;
-  return upload.removes ? store.remove(id, "t").has_value()
-                        : store.put(id, seeded_bytes(upload.seed, upload.bytes), "t").has_value();
+  // Mostly small, so that the kill meets all steps, not only the writing of bytes.
+  upload.bytes = random() % (random() % 4 == 0 ? max_bytes : 2000);
 }
 
 // The process that will be killed. Never returns.
@@ -73,12 +76,12 @@ void upload_until_killed(const std::filesystem::path& folder, const KillingPlan&
   for (std::size_t i = 0; i < kMaxUploads && !journal.failed; ++i) {
     Upload& upload = journal.uploads[i];
     upload.item = static_cast<std::uint32_t>(random() % items.size());
-    upload.seed = static_cast<std::uint32_t>(random());
-    upload.removes = random() % kRemoveEvery == 0;
-    // Mostly small, so that the kill meets all steps, not only the writing of bytes.
-    upload.bytes = random() % (random() % 4 == 0 ? plan.max_bytes : 2000);
+    const service::ItemId& id = items[upload.item].id;
+    plan_upload(*store, id, random, plan.max_bytes, upload);
+    const std::string bytes = seeded_bytes(upload.seed, upload.bytes);
     journal.begun = i + 1;
-    journal.failed = !upload_one(*store, items[upload.item].id, upload);
+    const auto done = upload.removes ? store->remove(id, "t") : store->put(id, bytes, "t");
+    journal.failed = !done || done->version != upload.version;
     upload.acknowledged = !journal.failed;
   }
   for (;;) pause();
