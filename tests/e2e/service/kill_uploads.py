@@ -1,0 +1,255 @@
+"""Uploads over HTTPS to a server that is killed with -9 at random and started anew: every acknowledged version must be
+there, whole; of the one that was on its way the old or the new state; and nothing of the history may be lost.
+
+    kill_uploads.py SERVER WORK [--uploads N] [--seed S] [--kill-within SECONDS]
+
+SERVER is `beltpickd`, or `api_test_server`, which is the service without a cell behind it. By hand, for long:
+
+    kill_uploads.py build/release/bin/beltpickd /tmp/torture --uploads 1000 --seed 1
+
+Its last line is JSON.
+"""
+
+import argparse
+import hashlib
+import http.client
+import json
+import pathlib
+import random
+import shutil
+import signal
+import socket
+import ssl
+import subprocess
+import sys
+import threading
+import time
+
+KEEP = 10
+CONFIG = """[camera]
+id = "127.0.10.99"
+[trigger]
+tty = "{work}/no-trigger"
+[plc]
+address = "127.0.0.1"
+port = {plc}
+[service]
+state = "{work}/state"
+port = {port}
+requests_per_minute = 10000000
+[limits]
+image_width = 640
+image_height = 480
+"""
+LENS = {"width": 640, "height": 480, "matrix": [[700, 0, 320], [0, 700, 240], [0, 0, 1]], "distortion": [0, 0, 0, 0, 0]}
+CALIBRATION = {"format": "beltpick-calibration", "version": 1, "camera": LENS, "projector": LENS,
+               "projector_from_camera": {"rotation": [[1, 0, 0], [0, 1, 0], [0, 0, 1]], "translation": [200, 0, 0]}}
+CELL = {"format": "beltpick-cell", "version": 1}
+
+
+def free_port():
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        return probe.getsockname()[1]
+
+
+class Server:
+    """The process under test, and a client that trusts its certificate."""
+
+    def __init__(self, program, work):
+        self.program, self.work = program, work
+        self.is_daemon = program.name == "beltpickd"
+        self.state = work / "state"
+        self.port, self.process, self.token = free_port(), None, None
+        (work / "beltpickd.toml").write_text(CONFIG.format(work=work, port=self.port, plc=free_port()))
+        self.trust = ssl.create_default_context()
+        self.trust.check_hostname = False
+        self.trust.verify_mode = ssl.CERT_NONE
+
+    def launch(self):
+        words = ["--config", self.work / "beltpickd.toml"] if self.is_daemon else [self.state, "10000000"]
+        with open(self.work / "server.log", "a") as log:
+            self.process = subprocess.Popen([self.program, *words], stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=log)
+
+    def wait_ready(self):
+        if not self.is_daemon:
+            self.port = int(self.process.stdout.readline())
+        give_up = time.monotonic() + 60
+        while True:
+            try:
+                with self.connect() as client:
+                    return client.ask("GET", "/api/v1/health")
+            except OSError:
+                if self.process.poll() is not None or time.monotonic() > give_up:
+                    sys.exit(f"{self.program} does not serve; see {self.work}/server.log")
+                time.sleep(0.02)
+
+    def enrol(self):
+        token = (self.state / "one_time_token").read_text().strip()
+        with self.connect() as client:
+            self.token = json.loads(client.ask("POST", "/api/v1/enrol", json.dumps({"token": token}))[1])["token"]
+
+    def connect(self):
+        return Client(self.port, self.trust, self.token)
+
+    def kill(self):
+        self.process.send_signal(signal.SIGKILL)
+        self.process.wait()
+        for pipe in (self.process.stdin, self.process.stdout):
+            pipe.close()
+
+
+class Client:
+    def __init__(self, port, trust, token):
+        self.connection = http.client.HTTPSConnection("127.0.0.1", port, timeout=30, context=trust)
+        self.headers = {"Authorization": f"Bearer {token}"} if token else {}
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.connection.close()
+
+    def ask(self, method, path, body=None, type_="application/json"):
+        headers = dict(self.headers)
+        if body is not None:
+            headers["Content-Type"] = type_
+        try:
+            self.connection.request(method, path, body, headers)
+            answer = self.connection.getresponse()
+            return answer.status, answer.read()
+        except http.client.HTTPException as error:
+            raise ConnectionError(str(error)) from error
+
+
+class Item:
+    def __init__(self, kind, name):
+        self.path = f"/api/v1/items/{kind}/{name}"
+        self.kind, self.name = kind, name
+        self.versions = []  # (number, bytes) acknowledged, oldest first
+        self.in_flight = None
+
+    def make(self, chance):
+        filler = "x" * chance.choice([0, 100, 10_000, 60_000])
+        if self.kind == "template":
+            return b"beltpick" + chance.randbytes(len(filler) + 1)
+        if self.kind == "calibration":
+            return json.dumps({**CALIBRATION, "id": f"{chance.getrandbits(64):x}", "quality": {"note": filler}}).encode()
+        if self.kind == "cell":
+            at = [[1, 0, 0, chance.random()], [0, -1, 0, 0], [0, 0, -1, 700], [0, 0, 0, 1]]
+            return json.dumps({**CELL, "belt_from_camera": at}).encode()
+        return json.dumps({"name": f"{chance.getrandbits(64):x}", "note": filler}).encode()
+
+    def check(self, client):
+        """What is wrong with this item, or nothing."""
+        status, body = client.ask("GET", self.path + "/versions")
+        if status != 200 and not self.versions and not self.in_flight:
+            return None
+        found = [entry["version"] for entry in json.loads(body).get("versions", [])]
+        came = self.in_flight is not None and found[-1:] == [self.in_flight[0]]
+        if came:
+            self.versions.append(self.in_flight)
+        wanted = self.versions[-KEEP:]
+        if found != [number for number, _ in wanted]:
+            return f"{self.name}: expected versions {[number for number, _ in wanted]}, found {found}"
+        for number, content in wanted:
+            status, body = client.ask("GET", f"{self.path}/versions/{number}")
+            if (status, body) != (200, content):
+                return f"{self.name}: version {number} is not whole"
+        if wanted and client.ask("GET", self.path) != (200, wanted[-1][1]):
+            return f"{self.name}: the current version is not the newest"
+        self.in_flight = None
+        return None
+
+
+class Uploader(threading.Thread):
+    """Uploads without pause until the server is gone."""
+
+    def __init__(self, server, items, chance):
+        super().__init__()
+        self.server, self.items, self.chance = server, items, chance
+        self.begun = self.acknowledged = 0
+        self.trouble = None
+
+    def run(self):
+        try:
+            with self.server.connect() as client:
+                while not self.trouble:
+                    self.upload(client)
+        except OSError:
+            pass  # killed
+
+    def upload(self, client):
+        item = self.chance.choice(self.items)
+        content = item.make(self.chance)
+        item.in_flight = (item.versions[-1][0] + 1 if item.versions else 1, content)
+        self.begun += 1
+        type_ = "application/octet-stream" if item.kind == "template" else "application/json"
+        status, body = client.ask("PUT", item.path, content, type_)
+        answer = json.loads(body)
+        if status not in (200, 201) or answer["sha256"] != hashlib.sha256(content).hexdigest():
+            self.trouble = f"{item.name}: refused: {status} {body[:300]}"
+        elif answer["version"] != item.in_flight[0]:
+            self.trouble = f"{item.name}: expected version {item.in_flight[0]}, found {answer['version']}"
+        item.versions.append(item.in_flight)
+        item.in_flight = None
+        self.acknowledged += 1
+
+
+def torture(server, options):
+    chance = random.Random(options.seed)
+    items = [Item("calibration", "calibration"), Item("cell", "cell")]
+    if not server.is_daemon:
+        items += [Item("template", "knuckle"), Item("recipe", "mixed")]
+    counts = {"uploads": 0, "acknowledged": 0, "kills": 0, "hit": 0, "came_new": 0, "violations": 0}
+    server.launch()
+    server.wait_ready()
+    server.enrol()
+    while counts["uploads"] < options.uploads:
+        uploader = Uploader(server, items, chance)
+        uploader.start()
+        time.sleep(chance.uniform(0, options.kill_within))
+        server.kill()
+        uploader.join()
+        if uploader.trouble:
+            sys.exit(uploader.trouble)
+        counts["kills"] += 1
+        counts["uploads"] += uploader.begun
+        counts["acknowledged"] += uploader.acknowledged
+        interrupted = [item for item in items if item.in_flight]
+        counts["hit"] += len(interrupted)
+        if chance.random() < 0.1:  # killed while it starts, too
+            server.launch()
+            time.sleep(chance.uniform(0, 0.3))
+            server.kill()
+            counts["kills"] += 1
+        server.launch()
+        server.wait_ready()
+        before = sum(len(item.versions) for item in items)
+        with server.connect() as client:
+            for item in items:
+                if trouble := item.check(client):
+                    sys.exit(f"after {counts}: {trouble}")
+        counts["came_new"] += sum(len(item.versions) for item in items) - before
+    return counts
+
+
+def main():
+    parser = argparse.ArgumentParser()
+    parser.add_argument("server", type=pathlib.Path)
+    parser.add_argument("work", type=pathlib.Path)
+    parser.add_argument("--uploads", type=int, default=1000)
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--kill-within", type=float, default=0.5)
+    options = parser.parse_args()
+    shutil.rmtree(options.work, ignore_errors=True)
+    options.work.mkdir(parents=True)
+    server = Server(options.server.resolve(), options.work.resolve())
+    try:
+        print(json.dumps(torture(server, options)))
+    finally:
+        if server.process and server.process.poll() is None:
+            server.kill()
+
+
+main()
