@@ -158,6 +158,21 @@ void Appliance::lock_memory() {
   }
 }
 
+service::SelfTestReport Appliance::self_test_alone(const Result<void>& loaded) {
+  SelfTestOf of{.settings = settings_,
+                .camera = stages_->camera,
+                .trigger = stages_->trigger,
+                .hub = stages_->hub,
+                .load_problem = loaded ? Error{} : loaded.error(),
+                .memory_locked = block_.lock(),
+                .memory_bytes = static_cast<std::int64_t>(block_.bytes()),
+                .plc_port = {},
+                .service_port = {}};
+  return service::judge(gather_facts_alone(std::move(of), stages_->camera, stages_->trigger));
+}
+
+bool Appliance::can_be_taken_down() const { return !stages_->camera.started() || stages_->camera.tried(); }
+
 void Appliance::tell_priority() {
   const RealtimeSection trial(RealtimePriority::kStream);
   if (trial.is_realtime()) {

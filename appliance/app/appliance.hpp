@@ -11,6 +11,7 @@
 #include "app/model_hub.hpp"
 #include "app/recorder.hpp"
 #include "app/run_book.hpp"
+#include "app/self_test.hpp"
 #include "app/service_notify.hpp"
 #include "app/settings.hpp"
 #include "app/vision_thread.hpp"
@@ -42,6 +43,12 @@ class Appliance {
   void lock_memory();
   // Reads calibration, cell, recipes and templates. The appliance runs without them, but refuses to start a cycle.
   Result<void> load() { return stages_->hub.load(); }
+
+  // Tests camera, trigger box, network, files and limits without running; takes some seconds. `loaded`: what load()
+  // said.
+  service::SelfTestReport self_test_alone(const Result<void>& loaded);
+  // False where opening the camera has not ended yet: then nothing can be taken down, the process has to end.
+  [[nodiscard]] bool can_be_taken_down() const;
 
   // What happened so far.
   [[nodiscard]] const RunBook& book() const { return *book_; }

@@ -9,6 +9,7 @@
 
 #include "app/appliance.hpp"
 #include "contract/result_codes.hpp"
+#include "service/self_test_text.hpp"
 #include "service/service.hpp"
 
 namespace {
@@ -20,6 +21,7 @@ constexpr const char* kHelp =
     "\n"
     "  beltpickd --config FILE            run until SIGTERM; SIGHUP reads the model files anew\n"
     "  beltpickd --config FILE --check    judge configuration and files, print the memory budget, exit\n"
+    "  beltpickd --config FILE --self-test [--json]    test camera, trigger box, network, files and limits, exit\n"
     "  beltpickd --config FILE --new-one-time-token    write a token that enrols an engineer once into the state "
     "folder\n"
     "  beltpickd --print-config           print the default configuration with every key's meaning\n"
@@ -27,11 +29,14 @@ constexpr const char* kHelp =
     "\n"
     "Example: beltpickd --print-config > beltpickd.toml; edit it; beltpickd --config beltpickd.toml --check\n"
     "\n"
-    "The log goes to stderr. Exit codes: 0 clean stop, 1 cannot start, 2 wrong command line, 3 a thread hung.\n";
+    "The log goes to stderr. Exit codes: 0 clean stop, 1 cannot start or a check failed, 2 wrong command line, 3 a "
+    "thread hung.\n";
 
 struct Options {
   std::string config;
   bool check = false;
+  bool self_test = false;
+  bool json = false;
   bool new_one_time_token = false;
   bool print_config = false;
   bool help = false;
@@ -47,6 +52,10 @@ std::optional<Options> parse(int argc, char** argv) {
       options.config = argument.substr(std::strlen("--config="));
     } else if (argument == "--check") {
       options.check = true;
+    } else if (argument == "--self-test") {
+      options.self_test = true;
+    } else if (argument == "--json") {
+      options.json = true;
     } else if (argument == "--new-one-time-token") {
       options.new_one_time_token = true;
     } else if (argument == "--print-config") {
@@ -79,10 +88,22 @@ int make_one_time_token(const app::Settings& settings) {
   return 0;
 }
 
+// The table says all that the log would.
+int self_test(const app::Settings& settings, app::Log& log, bool json) {
+  app::Appliance appliance(settings, log);
+  const service::SelfTestReport report = appliance.self_test_alone(appliance.load());
+  std::fputs((json ? service::self_test_json(report) : service::self_test_table(report)).c_str(), stdout);
+  std::fflush(stdout);
+  const int code = report.worst() == service::Verdict::kFailed ? 1 : 0;
+  if (!appliance.can_be_taken_down()) std::_Exit(code);
+  return code;
+}
+
 int serve(const Options& options, app::Log& log) {
   std::vector<std::string> warnings;
   const auto settings = app::read_settings(options.config, warnings);
   if (!settings) return fail(settings.error());
+  if (options.self_test) return self_test(*settings, log, options.json);
   if (options.new_one_time_token) return make_one_time_token(*settings);
   for (const std::string& warning : warnings) log.write(app::LogLevel::kWarning, "%s", warning.c_str());
 

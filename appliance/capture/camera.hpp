@@ -95,6 +95,7 @@ class Camera {
   [[nodiscard]] std::string serial() const;
   // Nothing while no camera was opened yet.
   [[nodiscard]] std::optional<CameraFacts> facts() const;
+  [[nodiscard]] bool started() const { return keeper_.joinable(); }
   // True once it is known whether the camera can be opened.
   [[nodiscard]] bool tried() const { return tried_; }
 

@@ -17,7 +17,6 @@ namespace {
 constexpr int kFirstAnswerMs = 500;              // the network has to find the address first
 constexpr unsigned kPacketTimeoutUs = 20'000;    // before a packet is asked for again
 constexpr unsigned kFrameRetentionUs = 500'000;  // before a frame with holes is given up
-constexpr int kSocketBytes = 16 << 20;           // a good half of a sequence, until the stream thread is scheduled
 constexpr double kResendShare = 1.0;  // of a frame's packets that may be asked for again: a late frame beats none
 
 // Calls an Aravis function with a GError behind its arguments and turns a failure into ours.
@@ -226,7 +225,7 @@ Result<void> GigeCamera::start_stream(std::span<std::uint8_t> memory) {
 void GigeCamera::set_stream_options() {
   g_object_set(stream_, "packet-resend", ARV_GV_STREAM_PACKET_RESEND_ALWAYS, "packet-timeout", kPacketTimeoutUs,
                "frame-retention", kFrameRetentionUs, "packet-request-ratio", kResendShare, nullptr);
-  enlarge_receive_buffer(arv_gv_stream_get_port(ARV_GV_STREAM(stream_)), kSocketBytes);
+  enlarge_receive_buffer(arv_gv_stream_get_port(ARV_GV_STREAM(stream_)), kStreamSocketBytes);
 }
 
 std::optional<Frame> GigeCamera::wait_frame(std::int64_t timeout_us) {

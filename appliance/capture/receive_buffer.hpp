@@ -7,6 +7,8 @@
 
 namespace beltpick::capture {
 
+inline constexpr int kStreamSocketBytes = 16 << 20;  // a good half of a sequence, until the stream thread is scheduled
+
 // Enlarges the receive buffer of this process' UDP socket at `port` (host byte order): beyond the kernel's limit where
 // the process may (CAP_NET_ADMIN), else up to it.
 void enlarge_receive_buffer(std::uint16_t port, int bytes);

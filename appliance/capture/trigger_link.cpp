@@ -115,6 +115,7 @@ bool TriggerLink::open_tty() {
   const std::lock_guard lock(mutex_);
   if (!opened) {
     error_ = opened.error();
+    tried_ = true;
     return false;
   }
   fd_ = *opened;
@@ -122,6 +123,7 @@ bool TriggerLink::open_tty() {
   heard_us_ = monotonic_us();
   polled_us_ = 0;
   identified_ = false;
+  other_version_.reset();
   next_event_sequence_.reset();
   return true;
 }
@@ -129,6 +131,7 @@ bool TriggerLink::open_tty() {
 void TriggerLink::close_tty(const char* why) {
   const std::lock_guard lock(mutex_);
   connected_ = false;
+  tried_ = true;
   inputs_ = 0;
   inputs_changed_us_ = monotonic_us();
   if (fd_ >= 0) ::close(fd_);
@@ -136,6 +139,16 @@ void TriggerLink::close_tty(const char* why) {
   error_ =
       failure(ResultCode::kTriggerLost, "trigger %s: %s; check its cable and power", config_.tty.c_str(), why).error();
   changed_.notify_all();
+}
+
+void TriggerLink::close_silent() {
+  close_tty("the firmware does not answer");
+  if (!other_version_) return;
+  const std::lock_guard lock(mutex_);
+  error_ = failure(ResultCode::kTriggerLost,
+                   "trigger %s: expected protocol version %u, found %u; flash the matching firmware",
+                   config_.tty.c_str(), unsigned{protocol::kVersion}, unsigned{*other_version_})
+               .error();
 }
 
 // One turn of the link thread: at most a few milliseconds of waiting, so that polls and losses are punctual.
@@ -149,7 +162,7 @@ void TriggerLink::serve_line() {
   if ((line.revents & POLLIN) != 0) read_bytes();
   const std::int64_t silent_us = monotonic_us() - heard_us_;
   if (silent_us > (connected_ ? config_.lost_ms * std::int64_t{1000} : kIdentifyPatienceUs)) {
-    close_tty("the firmware does not answer");
+    close_silent();
     return;
   }
   poll_firmware();
@@ -182,11 +195,7 @@ void TriggerLink::take_message() {
   protocol::Header header;
   if (!protocol::decode_header(decoder_.message(), decoder_.size(), header)) return;
   if (header.version != protocol::kVersion) {
-    const std::lock_guard lock(mutex_);
-    error_ = failure(ResultCode::kTriggerLost,
-                     "trigger %s: expected protocol version %u, found %u; flash the matching firmware",
-                     config_.tty.c_str(), unsigned{protocol::kVersion}, unsigned{header.version})
-                 .error();
+    other_version_ = header.version;
     return;
   }
   heard_us_ = monotonic_us();
@@ -235,6 +244,7 @@ void TriggerLink::take_status(const protocol::Header& header) {
   }
   take_inputs(report.inputs);
   connected_ = true;
+  tried_ = true;
 }
 
 // Known at once, not only with the next poll.

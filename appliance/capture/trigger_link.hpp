@@ -61,6 +61,8 @@ class TriggerLink {
   // Why it is not: kTriggerLost with the reason.
   [[nodiscard]] Error last_error() const;
   [[nodiscard]] TriggerInputs inputs() const;
+  // True once it is known whether the firmware answers.
+  [[nodiscard]] bool tried() const { return tried_; }
   // The firmware found last; nothing before.
   [[nodiscard]] std::optional<protocol::Identity> identity() const;
   // The latest STATUS of the firmware; at most poll_ms old while connected.
@@ -91,6 +93,7 @@ class TriggerLink {
   void run();
   bool open_tty();
   void close_tty(const char* why);
+  void close_silent();
   void serve_line();
   void read_bytes();
   void poll_firmware();
@@ -111,6 +114,7 @@ class TriggerLink {
 
   TriggerConfig config_;
   std::atomic<bool> connected_{false};
+  std::atomic<bool> tried_{false};
   std::atomic<std::uint8_t> inputs_{0};
   std::atomic<std::int64_t> inputs_changed_us_{0};
   std::atomic<unsigned> events_lost_{0};
@@ -122,6 +126,7 @@ class TriggerLink {
   std::int64_t heard_us_ = 0;
   std::int64_t polled_us_ = 0;
   bool identified_ = false;
+  std::optional<std::uint8_t> other_version_;  // of the protocol, as the firmware speaks it
   std::optional<std::uint8_t> next_event_sequence_;
 
   mutable std::mutex mutex_;  // guards what follows
