@@ -108,8 +108,7 @@ inline constexpr std::size_t kMaxJsonBody = 4096;  // of requests other than upl
 //                  "counters": {"cycles", "captures", "offers", "picked", "faults"}, "uptime_s",
 //                  "memory_mb": {"budget", "resident"}, "time", "version", "role": the asker's}
 //   result-codes  {"result_codes": [CODE...]}
-//   self-test     {"time", "worst", "checks": [{"name", "verdict", "found", "cause", "remedy"}]}; time and worst are
-//                 null and checks empty before the first
+//   self-test     as service/self_test_text.hpp writes it; checks are empty before the first
 //   items         {"items": [{"kind", "name", "current": VERSION, "in_use": version or null}]}
 //   upload        VERSION with "warnings": [text...];  remove and rollback: VERSION
 //   versions      {"kind", "name", "versions": [VERSION...]}, oldest first

@@ -46,6 +46,7 @@ enum class ResultCode : std::uint16_t {
   kMediaTypeWrong = 39,
   kVersionChanged = 40,
   kServiceBusy = 41,
+  kCheckFailed = 42,
   // The running cell.
   kFrameMissing = 100,
   kFrameIncomplete = 101,
@@ -156,6 +157,7 @@ inline constexpr auto kResultCodes = std::to_array<ResultCodeEntry>({
      "download it again and repeat the change on it"},
     {ResultCode::kServiceBusy, "SERVICE_BUSY", "the service has its hands full: another upload, a self-test",
      "try again in some seconds"},
+    {ResultCode::kCheckFailed, "CHECK_FAILED", "a check of the cell failed", "do what the check's remedy says"},
     {ResultCode::kFrameMissing, "FRAME_MISSING", "the camera delivered fewer frames than were triggered",
      "check trigger wiring, network and exposure + readout against the period"},
     {ResultCode::kFrameIncomplete, "FRAME_INCOMPLETE", "packets of a frame were lost",

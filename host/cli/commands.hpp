@@ -20,5 +20,14 @@ Run add_locate(CLI::App& app);
 Run add_registers(CLI::App& app);
 Run add_teach(CLI::App& app);
 Run add_simulate(CLI::App& app);
+Run add_enrol(CLI::App& app);
+Run add_upload(CLI::App& app);
+Run add_download(CLI::App& app);
+Run add_items(CLI::App& app);
+Run add_rollback(CLI::App& app);
+Run add_remove(CLI::App& app);
+Run add_status(CLI::App& app);
+Run add_doctor(CLI::App& app);
+Run add_tokens(CLI::App& app);
 
 }  // namespace beltpick::cli

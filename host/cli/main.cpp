@@ -22,6 +22,7 @@ struct Command {
 
 constexpr const char* kSetUp = "Setting up a cell";
 constexpr const char* kMeasure = "Measuring";
+constexpr const char* kAppliance = "An appliance over the network";
 constexpr const char* kReference = "Reference";
 constexpr const char* kTryOut = "Trying out without hardware";
 
@@ -34,6 +35,15 @@ constexpr Command kCommands[] = {
     {"teach", kSetUp, "make a part's template from its mesh or scan", add_teach},
     {"locate", kMeasure, "parts and their poses in a capture or a cloud", add_locate},
     {"simulate", kTryOut, "write captures of the virtual cell, with their truth", add_simulate},
+    {"enrol", kAppliance, "make yourself known to an appliance, and its key to you", add_enrol},
+    {"status", kAppliance, "how the cell is doing", add_status},
+    {"doctor", kAppliance, "find out what hinders the cell", add_doctor},
+    {"upload", kAppliance, "send calibration, cell, templates, recipes", add_upload},
+    {"download", kAppliance, "fetch them, also older versions", add_download},
+    {"items", kAppliance, "list what the appliance keeps, and its history", add_items},
+    {"rollback", kAppliance, "make an older version current again", add_rollback},
+    {"remove", kAppliance, "take a template or recipe out of use", add_remove},
+    {"tokens", kAppliance, "who may do what there", add_tokens},
     {"registers", kReference, "print the PLC's registers and the result codes", add_registers},
 };
 

@@ -1,0 +1,115 @@
+// beltpick status: how a cell is doing.
+#include <cmath>
+#include <memory>
+
+#include "appliance_call.hpp"
+#include "commands.hpp"
+#include "options.hpp"
+#include "text_table.hpp"
+
+namespace beltpick::cli {
+namespace {
+
+using contract_io::Json;
+
+// What the cell's states, as the register table names them, mean to a person.
+struct StateWords {
+  const char* name;
+  const char* meaning;
+};
+constexpr StateWords kStates[] = {
+    {"starting", "it looks for its devices"},
+    {"idle", "it waits for the PLC to start a cycle"},
+    {"settling", "the belt stands, the picture comes to rest"},
+    {"capturing", "patterns are projected and captured"},
+    {"processing", "parts are located"},
+    {"offering", "a part is offered to the robot"},
+    {"belt released", "the cycle is over, the belt may move"},
+    {"fault", "it waits for the fault to be mended and cleared"},
+};
+
+std::string state_words(const std::string& state) {
+  for (const StateWords& known : kStates) {
+    if (state == known.name) return state + ": " + known.meaning;
+  }
+  return state;
+}
+
+// "EMERGENCY_STOP: the emergency stop is pressed; release it and clear the fault"; "none" without a code.
+std::string code_words(const Json& status, const std::string& member) {
+  const auto part = [&](const char* name) { return words_at(status, ("/" + member + "/" + name).c_str()); };
+  if (part("name").empty()) return "none";
+  return part("name") + ": " + part("cause") + (part("remedy").empty() ? "" : "; " + part("remedy"));
+}
+
+std::string duration_words(double seconds) {
+  const long minutes = std::lround(std::floor(seconds / 60));
+  if (minutes < 1) return std::to_string(std::lround(seconds)) + " s";
+  if (minutes < 120) return std::to_string(minutes) + " min";
+  if (minutes < 48 * 60) return std::to_string(minutes / 60) + " h " + std::to_string(minutes % 60) + " min";
+  return std::to_string(minutes / (24 * 60)) + " days";
+}
+
+std::string used_words(const Json& status) {
+  std::string text;
+  for (const Json& item : list_at(status, "/in_use")) {
+    text += (text.empty() ? "" : ", ") + item_words({words_at(item, "/kind"), words_at(item, "/name"), {}}) + " " +
+            words_at(item, "/version");
+  }
+  return text.empty() ? "nothing" : text;
+}
+
+std::string counter_words(const Json& status) {
+  std::string text;
+  for (const char* counter : {"cycles", "captures", "offers", "picked", "faults"}) {
+    text +=
+        (text.empty() ? "" : ", ") + words_at(status, (std::string("/counters/") + counter).c_str()) + " " + counter;
+  }
+  return text;
+}
+
+std::string camera_words(const Json& status) {
+  const std::string serial = words_at(status, "/camera/serial");
+  return std::string(flag_at(status, "/camera/ready") ? "ready" : "not ready") + (serial.empty() ? "" : ", " + serial);
+}
+
+std::string status_text(const Json& status, const link::Address& address) {
+  const std::string recipe = words_at(status, "/recipe/number") + " " + words_at(status, "/recipe/name");
+  const std::string memory =
+      words_at(status, "/memory_mb/resident") + " MB of " + words_at(status, "/memory_mb/budget");
+  return address.text() + ", beltpickd " + words_at(status, "/version") + ", up " +
+         duration_words(number_at(status, "/uptime_s")) + "\n" +
+         text_table({{"cell", state_words(words_at(status, "/state"))},
+                     {"fault", code_words(status, "fault")},
+                     {"last answer", code_words(status, "last_code")},
+                     {"hindrance", code_words(status, "model")},
+                     {"recipe", recipe},
+                     {"in use", used_words(status)},
+                     {"camera", camera_words(status)},
+                     {"trigger box", flag_at(status, "/trigger/ready") ? "ready" : "not ready"},
+                     {"PLC", flag_at(status, "/plc/connected") ? "connected" : "not connected"},
+                     {"so far", counter_words(status)},
+                     {"memory", memory},
+                     {"your role", words_at(status, "/role")}},
+                    2);
+}
+
+Result<void> run(const std::string& to, Session& session) {
+  auto appliance = open_appliance(to);
+  if (!appliance) return std::unexpected(appliance.error());
+  const auto status = ask(*appliance, ApiAction::kStatus);
+  if (!status) return std::unexpected(status.error());
+  session.answer(*status, status_text(*status, appliance->known().address));
+  return {};
+}
+
+}  // namespace
+
+Run add_status(CLI::App& app) {
+  const auto to = std::make_shared<std::string>();
+  add_to(app, *to);
+  example(app, "  beltpick status --to cell4.local\n  beltpick status --to cell4.local --json");
+  return [to](Session& session) { return run(*to, session); };
+}
+
+}  // namespace beltpick::cli
