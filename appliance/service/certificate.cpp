@@ -18,7 +18,6 @@
 
 #include "contract/result_codes.hpp"
 #include "service/secrets.hpp"
-#include "service/sha256.hpp"
 
 namespace beltpick::service {
 namespace {
@@ -26,6 +25,7 @@ namespace {
 constexpr const char* kFolder = "tls";
 constexpr const char* kKeyFile = "key.pem";
 constexpr const char* kCertificateFile = "certificate.pem";
+constexpr const char* kFingerprintFile = "fingerprint";
 constexpr std::size_t kMaxFile = std::size_t{1} << 16U;
 constexpr std::time_t kDay_s = 24 * 3600;
 constexpr std::time_t kLife_s = 3650 * kDay_s;
@@ -143,6 +143,16 @@ Certificate make() {
   return made;
 }
 
+std::string fingerprint_text(const unsigned char* bytes, std::size_t count) {
+  static constexpr char kDigits[] = "0123456789abcdef";
+  std::string text = "sha256:";
+  for (std::size_t i = 0; i < count; ++i) {
+    text += kDigits[bytes[i] >> 4U];
+    text += kDigits[bytes[i] & 15U];
+  }
+  return text;
+}
+
 // Fills the fingerprint; tells what is wrong with the two files.
 Result<void> examine(Certificate& certificate, std::vector<std::string>& notes) {
   const Key key = new_key();
@@ -163,8 +173,7 @@ Result<void> examine(Certificate& certificate, std::vector<std::string>& notes) 
                    "them right, or take both away: new ones are made, and everybody enrols anew",
                    kFolder, kKeyFile, kCertificateFile);
   }
-  certificate.fingerprint = sha256_hex(
-      exported([&](gnutls_datum_t* out) { return gnutls_x509_crt_export2(crt.get(), GNUTLS_X509_FMT_DER, out); }));
+  certificate.fingerprint = fingerprint_text(of_certificate.data(), more_bytes);
   if (gnutls_x509_crt_get_expiration_time(crt.get()) < std::time(nullptr) + kWarn_s) {
     notes.emplace_back("the service's certificate ends soon, or has ended: make a new one and enrol anew");
   }
@@ -199,6 +208,9 @@ Result<Certificate> open_certificate(const Folder& state, std::vector<std::strin
     return unusable(key ? pem.error() : key.error());
   }
   if (const auto good = examine(certificate, notes); !good) return std::unexpected(good.error());
+  if (const std::string text = certificate.fingerprint + "\n"; folder->read(kFingerprintFile, kMaxFile) != text) {
+    if (const auto done = write_secret(*folder, kFingerprintFile, text); !done) return std::unexpected(done.error());
+  }
   return certificate;
 }
 

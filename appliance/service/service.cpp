@@ -38,7 +38,7 @@ Result<std::unique_ptr<Service>> Service::start(const std::filesystem::path& sta
   auto server = HttpsServer::start(config, *certificate, service->tokens_, service->api_, log, beats);
   if (!server) return std::unexpected(server.error());
   service->server_ = std::move(*server);
-  log(false, "service: https://" + config.address + ":" + std::to_string(service->port()) + ", certificate SHA-256 " +
+  log(false, "service: https://" + config.address + ":" + std::to_string(service->port()) + ", key " +
                  certificate->fingerprint);
   return service;
 }
