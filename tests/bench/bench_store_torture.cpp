@@ -1,9 +1,10 @@
 // Whether anything can make the store lose a version, or show half of one:
 //   bench_store_torture [UPLOADS] [SEED] [FOLDER]        default: 1000 1 and the folder for temporary files
 // At least UPLOADS uploads are begun while kill -9 comes at random, once in FOLDER, on its disk, and ten times as many
-// in memory, where other moments are met; then single uploads of 700 bytes are disturbed in every possible place, as
-// tests/support/store/faults.hpp tells. After each disturbance the store is opened anew and every version compared.
-// Prints a table and, as its last line, JSON; the exit code tells whether all was as it must be.
+// in memory, where other moments are met; UPLOADS uploads end in a power cut each; and single uploads of 700 bytes are
+// disturbed in every possible place, as tests/support/store/faults.hpp tells. After each disturbance the store is
+// opened anew and every version compared. Prints a table and, as its last line, JSON; the exit code tells whether all
+// was as it must be.
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
@@ -57,9 +58,9 @@ class Report {
   bool failed_ = false;
 };
 
-Row killed_at_random(const std::string& name, const std::filesystem::path& parent, int uploads, std::uint32_t seed) {
+Row killed_at_random(const std::string& name, const std::filesystem::path& parent, const test::KillingPlan& plan) {
   const test::TempFolder temp(parent);
-  const KillingCounts counts = test::kill_at_random(temp / "store", {.kills = 1, .uploads = uploads, .seed = seed});
+  const KillingCounts counts = test::kill_at_random(temp / "store", plan);
   const auto member = [](const char* key, int value) {
     return ", \"" + std::string(key) + "\": " + std::to_string(value);
   };
@@ -81,17 +82,25 @@ Row every_step(const std::string& name,
   return row;
 }
 
+Row power_cut_at_every_upload(int uploads, std::uint32_t seed) {
+  const test::TempFolder temp(test::memory_folder());
+  const FaultCounts counts = test::cut_power_again_and_again(temp / "store", uploads, seed);
+  return {"power cut at every upload", counts.cases, counts.came_new, counts.trouble, ""};
+}
+
 int run(int uploads, std::uint32_t seed, const std::filesystem::path& folder) {
   Report report;
   std::printf("%-28s %9s %9s %9s %8s  %s\n", "what", "disturbed", "then new", "then old", "s", "violations");
-  report.add(killed_at_random("kill at random, disk", folder, uploads, seed));
-  report.add(killed_at_random("kill at random, memory", test::memory_folder(), 10 * uploads, seed));
+  report.add(killed_at_random("kill at random, disk", folder, {.kills = 1, .uploads = uploads, .seed = seed}));
+  report.add(killed_at_random("kill at random, memory", test::memory_folder(),
+                              {.kills = 1, .uploads = 10 * uploads, .seed = seed}));
   report.add(every_step("kill at every call", test::kill_at_every_call));
   report.add(every_step("kill at every byte", test::kill_at_every_byte));
   report.add(every_step("every call fails", test::fail_at_every_call));
   report.add(every_step("no room after every byte", test::limit_at_every_byte));
   report.add(every_step("power cut, every byte",
                         [](const auto& at, const auto& step) { return test::cut_power_at_every_call(at, step, 1); }));
+  report.add(power_cut_at_every_upload(uploads, seed));
   report.add(every_step("newest: every byte, bit",
                         [](const auto& at, const auto& step) { return test::damage_every_byte(at, step, 1); }));
   return report.finish();

@@ -9,6 +9,7 @@
 #include <csignal>
 #include <fstream>
 #include <functional>
+#include <random>
 #include <stdexcept>
 #include <utility>
 
@@ -88,6 +89,27 @@ std::vector<DiskCall> calls_of(const fs::path& folder, const DiskImage& before, 
   std::vector<DiskCall> calls = stop_disk_script();
   if (!done) throw std::runtime_error("the undisturbed step failed");
   return calls;
+}
+
+// The same, with the calls of opening the store.
+std::vector<DiskCall> calls_from_opening(const fs::path& folder, const DiskImage& before, const DisturbedStep& step) {
+  write_image(before, folder);
+  start_disk_script({});
+  Result<service::Store> store = open_store(folder);
+  const bool done = store && do_step(*store, step.next);
+  std::vector<DiskCall> calls = stop_disk_script();
+  if (!done) throw std::runtime_error("the undisturbed step failed");
+  return calls;
+}
+
+DiskImage random_power_cut(const DiskImage& before, const fs::path& folder, const std::vector<DiskCall>& calls,
+                           std::size_t done, std::mt19937& random) {
+  DiskImage chosen;
+  std::size_t seen = 0;
+  each_power_cut(before, folder, calls, done, 1, [&](const DiskImage& image) {
+    if (random() % ++seen == 0) chosen = image;
+  });
+  return chosen;
 }
 
 // The step in this process, disturbed, and what is not as it must be in the store after that.
@@ -233,6 +255,32 @@ FaultCounts cut_power_at_every_call(const fs::path& folder, const DisturbedStep&
     });
   }
   fs::remove_all(after);
+  return counts;
+}
+
+FaultCounts cut_power_again_and_again(const fs::path& folder, int uploads, std::uint32_t seed) {
+  std::mt19937 random(seed);
+  FaultCounts counts;
+  ExpectedItem item{kItem, {}, {}};
+  DiskImage image;
+  for (int i = 0; i < uploads && counts.trouble.empty(); ++i) {
+    const bool known = !item.acknowledged.empty();
+    const bool removes = known && !item.acknowledged.back().removed && random() % 8 == 0;
+    const DisturbedStep step{
+        "upload " + std::to_string(i),
+        item.acknowledged,
+        {known ? item.acknowledged.back().version + 1 : 1,
+         removes ? "" : seeded_bytes(static_cast<std::uint32_t>(random()), 1 + random() % 200), removes}};
+    const std::vector<DiskCall> calls = calls_from_opening(folder, image, step);
+    const std::size_t done = random() % (calls.size() + 1);
+    image = random_power_cut(image, folder, calls, done, random);
+    write_image(image, folder);
+    const bool acknowledged = done == calls.size();
+    const Comparison found = compare(folder, expected_of(step, acknowledged), DisturbedStep::kKeep);
+    count(counts, found, acknowledged, step.name + ", power cut after " + std::to_string(done) + " calls");
+    if (acknowledged || found.in_flight_came) item.acknowledged.push_back(step.next);
+    if (item.acknowledged.size() > DisturbedStep::kKeep + 1) item.acknowledged.erase(item.acknowledged.begin());
+  }
   return counts;
 }
 

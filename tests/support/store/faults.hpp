@@ -41,6 +41,9 @@ FaultCounts limit_at_every_byte(const std::filesystem::path& folder, const Distu
 // Power cut after every call; of bytes on their way every `byte_step`th cut.
 FaultCounts cut_power_at_every_call(const std::filesystem::path& folder, const DisturbedStep& step,
                                     std::size_t byte_step);
+// `uploads` uploads and removals, each ended by a power cut after a random call, with a random one of the states that
+// it can leave; the next begins on that, so that what a cut leaves meets opening, writing and the next cut.
+FaultCounts cut_power_again_and_again(const std::filesystem::path& folder, int uploads, std::uint32_t seed);
 // The newest version's file cut at each byte, and each of its bits flipped (one of every `bit_step`): it is set aside.
 FaultCounts damage_every_byte(const std::filesystem::path& folder, const DisturbedStep& step, std::size_t bit_step);
 

@@ -6,6 +6,7 @@
 
 #include <array>
 #include <atomic>
+#include <chrono>
 #include <csignal>
 #include <new>
 #include <random>
@@ -33,6 +34,8 @@ struct Upload {
 struct Journal {
   std::atomic<bool> open = false;
   std::atomic<std::size_t> begun = 0;
+  std::atomic<std::size_t> acknowledged = 0;
+  std::atomic<std::uint32_t> last_us = 5000;  // what an upload took
   std::atomic<bool> failed = false;
   std::array<Upload, kMaxUploads> uploads;
 };
@@ -79,12 +82,26 @@ void upload_until_killed(const std::filesystem::path& folder, const KillingPlan&
     const service::ItemId& id = items[upload.item].id;
     plan_upload(*store, id, random, plan.max_bytes, upload);
     const std::string bytes = seeded_bytes(upload.seed, upload.bytes);
+    const auto began = std::chrono::steady_clock::now();
     journal.begun = i + 1;
     const auto done = upload.removes ? store->remove(id, "t") : store->put(id, bytes, "t");
     journal.failed = !done || done->version != upload.version;
     upload.acknowledged = !journal.failed;
+    journal.acknowledged = i + 1;
+    journal.last_us = static_cast<std::uint32_t>((std::chrono::steady_clock::now() - began).count() / 1000);
   }
   for (;;) pause();
+}
+
+// One time in eight for a part of the time that opening takes, else for some uploads and a part of one.
+void wait_a_while(const Journal& journal, std::mt19937& random) {
+  if (random() % 8 == 0) {
+    usleep(static_cast<useconds_t>(random() % 3000));
+    return;
+  }
+  const std::size_t uploads = random() % 4;
+  while (!journal.failed && (!journal.open || journal.acknowledged < uploads)) usleep(50);
+  usleep(static_cast<useconds_t>(random() % (2 * journal.last_us + 1)));
 }
 
 // What the life of a process, ended by the kill, adds to what must be there.
@@ -132,9 +149,7 @@ KillingCounts kill_at_random(const std::filesystem::path& folder, const KillingP
     const auto seed = static_cast<std::uint32_t>(random());
     const pid_t child = fork();
     if (child == 0) upload_until_killed(folder, plan, seed, journal);
-    const bool while_opening = random() % 8 == 0;
-    while (!while_opening && !journal.open) usleep(100);
-    usleep(static_cast<useconds_t>(random() % (while_opening ? 3000 : 20'000)));
+    wait_a_while(journal, random);
     (void)kill(child, SIGKILL);
     (void)waitpid(child, nullptr, 0);
     ++counts.kills;

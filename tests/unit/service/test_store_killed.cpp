@@ -69,6 +69,15 @@ TEST_CASE("power cut after every call") {
   }
 }
 
+TEST_CASE("a power cut at every upload") {
+  const TempFolder temp(memory_folder());
+  const FaultCounts counts = cut_power_again_and_again(temp / "store", 100, 1);
+  CHECK(counts.trouble == "");
+  CHECK(counts.cases == 100);
+  CHECK(counts.came_new > 20);
+  CHECK(counts.came_new < 80);
+}
+
 TEST_CASE("the newest file cut at every byte, and each of its bits flipped") {
   const TempFolder temp(memory_folder());
   const FaultCounts counts = damage_every_byte(temp / "store", disturbed_steps(kItemBytes)[2], 1);
