@@ -47,6 +47,7 @@ need_programs() {
 # place TARGET MODE SOURCE WHY: whole or not at all, and also over a program that runs.
 place() {
   local target=$tree$1 mode=$2 from=$3 why=$4
+  $dry || rm -f "$target.beltpick-new"  # of an interrupted run
   if [ -f "$target" ] && cmp -s "$from" "$target" && [ "$(stat -c %a "$target")" = "$mode" ]; then
     say "$1 is up to date ($why)"
     return

@@ -1,0 +1,193 @@
+"""beltpickd --self-test against the virtual cell: all good; then each thing wrong, named by its own check; then beside a
+running beltpickd, which it must not disturb.
+
+    run_self_test.py BIN CELL WORK      CELL: made by tests/e2e/cell/run_cell.py setup
+"""
+
+import json
+import pathlib
+import shutil
+import signal
+import socket
+import subprocess
+import sys
+import time
+
+CONFIG = """[camera]
+id = "{camera}"
+[trigger]
+tty = "{tty}"
+[model]
+calibration = "{calibration}"
+cell = "{cell}/cell.json"
+recipes = ["{cell}/recipe.json"]
+[plc]
+address = "127.0.0.1"
+port = {port}
+[service]
+state = "{state}"
+port = {service_port}
+[limits]
+image_width = {width}
+image_height = 480
+"""
+# What the machine that tests may lack, unlike an installed one.
+MACHINE = {"clock", "memory lock", "real-time", "socket buffer", "packet size"}
+
+
+def expect(what, found, expected):
+    if found != expected:
+        sys.exit(f"{what}: expected {expected!r}, found {found!r}")
+
+
+def free_port():
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        return probe.getsockname()[1]
+
+
+def free_camera_address():
+    for last in range(1, 250):
+        address = f"127.0.11.{last}"
+        with socket.socket(type=socket.SOCK_DGRAM) as probe:
+            try:
+                probe.bind((address, 3956))
+                return address
+            except OSError:
+                continue
+    sys.exit("no loopback address with a free UDP port 3956")
+
+
+class Bench:
+    def __init__(self, bin_folder, cell, run):
+        self.bin, self.run = bin_folder, run
+        self.values = {"camera": free_camera_address(), "tty": run / "trigger", "cell": cell, "port": free_port(),
+                       "calibration": cell / "calibration.json", "state": run / "state", "service_port": free_port(),
+                       "width": 640}
+        self.world = subprocess.Popen(
+            [bin_folder / "beltpick", "simulate", "--live", "--rig", cell / "rig.toml", "--part", "knuckle", "--parts", "1",
+             "--sequence", cell / "sequence.json", "--plc", f"127.0.0.1:{free_port()}", "--camera-address",
+             self.values["camera"], "--trigger", run / "trigger", "--wait", "300"],
+            stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        give_up = time.monotonic() + 30
+        while not (run / "trigger").exists() and time.monotonic() < give_up:
+            time.sleep(0.05)
+
+    def config(self, **changed):
+        path = self.run / "beltpickd.toml"
+        path.write_text(CONFIG.format(**(self.values | changed)))
+        return path
+
+    def self_test(self, **changed):
+        """The exit code and every check by its name."""
+        began = time.monotonic()
+        done = subprocess.run([self.bin / "beltpickd", "--self-test", "--json", "--config", self.config(**changed)],
+                              capture_output=True, text=True, timeout=30)
+        if time.monotonic() - began > 15:
+            sys.exit(f"the self-test with {changed} took {time.monotonic() - began:.1f} s")
+        report = json.loads(done.stdout)
+        expect("format", (report["format"], report["version"]), ("beltpick-self-test", 1))
+        expect("exit code", done.returncode, 1 if report["worst"] == "failed" else 0)
+        for check in report["checks"]:
+            if check["verdict"] in ("warning", "failed") and not (check["cause"] and check["remedy"]):
+                sys.exit(f"no cause or remedy: {check}")
+        return {check["name"]: check for check in report["checks"]}
+
+    def fails(self, name, said, **changed):
+        checks = self.self_test(**changed)
+        expect(f"verdict on the {name} with {changed}: {checks[name]}", checks[name]["verdict"], "failed")
+        if said not in " ".join(checks[name].values()):
+            sys.exit(f"{name}: expected '{said}', found {checks[name]}")
+        others = {other for other, check in checks.items() if check["verdict"] == "failed"} - {name} - MACHINE
+        return others
+
+
+def all_good(bench):
+    checks = bench.self_test()
+    for name, check in checks.items():
+        if check["verdict"] in ("failed", "warning") and name not in MACHINE:
+            sys.exit(f"in a good cell: {check}")
+    for name in ("camera", "image size", "exposure", "trigger box", "lines", "PLC port", "state folder", "models"):
+        expect(f"verdict on the {name}: {checks[name]}", checks[name]["verdict"], "good")
+
+
+def each_fault(bench):
+    taken = socket.create_server(("127.0.0.1", 0))
+    for name, said, changed in [
+        ("camera", "does not answer", {"camera": "127.0.11.254"}),
+        ("camera", "1000x480", {"width": 1000}),
+        ("trigger box", "cannot be opened", {"tty": bench.run / "no-such-tty"}),
+        ("trigger box", "expected a tty", {"tty": "/dev/null"}),
+        ("PLC port", "is taken", {"port": taken.getsockname()[1]}),
+        ("service", "is taken", {"service_port": taken.getsockname()[1]}),
+        ("state folder", "/proc/beltpick", {"state": "/proc/beltpick"}),
+    ]:
+        # Another image size fits neither the sensor nor the calibration and what is loaded with it.
+        expected = {"calibration", "models"} if "width" in changed else set()
+        expect(f"failed besides the {name} with {changed}", bench.fails(name, said, **changed), expected)
+    taken.close()
+
+
+def no_calibration(bench):
+    # With a fresh state folder: in the present one the store may have it already.
+    others = bench.fails("calibration", "upload", calibration=bench.run / "none.json", state=bench.run / "fresh")
+    expect("failed besides the calibration", others, {"models"})
+
+
+def heartbeat(port):
+    with socket.create_connection(("127.0.0.1", port), timeout=5) as plc:
+        plc.sendall(bytes([0, 1, 0, 0, 0, 6, 1, 4, 0, 0, 0, 2]))
+        answer = plc.recv(13, socket.MSG_WAITALL)
+        return int.from_bytes(answer[9:11], "big"), int.from_bytes(answer[11:13], "big")
+
+
+def beside_a_running_one(bench):
+    with open(bench.run / "beltpickd.log", "w") as log:
+        daemon = subprocess.Popen([bench.bin / "beltpickd", "--config", bench.config()], stderr=log)
+    try:
+        give_up = time.monotonic() + 20
+        while time.monotonic() < give_up:
+            try:
+                if heartbeat(bench.values["port"])[1] == 1:
+                    break
+            except OSError:
+                pass
+            time.sleep(0.1)
+        expect("state of the running one", heartbeat(bench.values["port"])[1], 1)
+        checks = bench.self_test()
+        for name in ("camera", "packet size", "trigger box", "lines"):
+            expect(f"verdict on the {name}: {checks[name]}", checks[name]["verdict"], "skipped")
+        expect(f"PLC port: {checks['PLC port']}", checks["PLC port"]["verdict"], "good")
+        if "running beltpickd" not in checks["PLC port"]["found"]:
+            sys.exit(f"the running beltpickd is not seen: {checks['PLC port']}")
+        # Another beltpickd on the same devices, with another PLC port: it cannot have them.
+        held = bench.self_test(port=free_port())
+        for name in ("camera", "trigger box"):
+            expect(f"verdict on the {name}: {held[name]}", held[name]["verdict"], "failed")
+            if "another program" not in held[name]["cause"]:
+                sys.exit(f"who holds it is not told: {held[name]}")
+        expect("state of the running one afterwards", heartbeat(bench.values["port"])[1], 1)
+        said = (bench.run / "beltpickd.log").read_text()
+        if "LOST" in said.split("idle", 1)[-1]:
+            sys.exit(f"the running beltpickd was disturbed:\n{said}")
+    finally:
+        daemon.send_signal(signal.SIGTERM)
+        daemon.wait(10)
+
+
+def main():
+    bin_folder, cell, work = (pathlib.Path(argument).resolve() for argument in sys.argv[1:4])
+    run = work / "self-test"
+    shutil.rmtree(run, ignore_errors=True)
+    run.mkdir(parents=True)
+    bench = Bench(bin_folder, cell, run)
+    try:
+        for test in (all_good, each_fault, no_calibration, beside_a_running_one):
+            test(bench)
+            print(f"{test.__name__}: as expected")
+    finally:
+        bench.world.kill()
+        bench.world.wait()
+
+
+main()
