@@ -1,7 +1,7 @@
 """Uploads over HTTPS to a server that is killed with -9 at random and started anew: every acknowledged version must be
 there, whole; of the one that was on its way the old or the new state; and nothing of the history may be lost.
 
-    kill_uploads.py SERVER WORK [--uploads N] [--seed S] [--kill-within SECONDS]
+    kill_uploads.py SERVER WORK [--uploads N] [--seed S] [--kill-within S]
 
 SERVER is `beltpickd`, or `api_test_server`, which is the service without a cell behind it. By hand, for long:
 
@@ -12,18 +12,19 @@ Its last line is JSON.
 
 import argparse
 import hashlib
-import http.client
 import json
 import pathlib
 import random
 import shutil
 import signal
 import socket
-import ssl
 import subprocess
 import sys
 import threading
 import time
+from http.client import HTTPException
+
+from api_client import Client
 
 KEEP = 10
 CONFIG = """[camera]
@@ -54,7 +55,7 @@ def free_port():
 
 
 class Server:
-    """The process under test, and a client that trusts its certificate."""
+    """The process under test."""
 
     def __init__(self, program, work):
         self.program, self.work = program, work
@@ -62,9 +63,6 @@ class Server:
         self.state = work / "state"
         self.port, self.process, self.token = free_port(), None, None
         (work / "beltpickd.toml").write_text(CONFIG.format(work=work, port=self.port, plc=free_port()))
-        self.trust = ssl.create_default_context()
-        self.trust.check_hostname = False
-        self.trust.verify_mode = ssl.CERT_NONE
 
     def launch(self):
         words = ["--config", self.work / "beltpickd.toml"] if self.is_daemon else [self.state, "10000000"]
@@ -77,20 +75,18 @@ class Server:
         give_up = time.monotonic() + 60
         while True:
             try:
-                with self.connect() as client:
-                    return client.ask("GET", "/api/v1/health")
+                return self.client().ask("GET", "/health")
             except OSError:
                 if self.process.poll() is not None or time.monotonic() > give_up:
                     sys.exit(f"{self.program} does not serve; see {self.work}/server.log")
                 time.sleep(0.02)
 
     def enrol(self):
-        token = (self.state / "one_time_token").read_text().strip()
-        with self.connect() as client:
-            self.token = json.loads(client.ask("POST", "/api/v1/enrol", json.dumps({"token": token}))[1])["token"]
+        one_time = (self.state / "one_time_token").read_text().strip()
+        self.token = self.client().ask("POST", "/enrol", {"token": one_time, "name": "anna"}).json()["token"]
 
-    def connect(self):
-        return Client(self.port, self.trust, self.token)
+    def client(self):
+        return Client(self.port, self.state / "tls" / "certificate.pem", token=self.token, timeout=30)
 
     def kill(self):
         self.process.send_signal(signal.SIGKILL)
@@ -99,32 +95,9 @@ class Server:
             pipe.close()
 
 
-class Client:
-    def __init__(self, port, trust, token):
-        self.connection = http.client.HTTPSConnection("127.0.0.1", port, timeout=30, context=trust)
-        self.headers = {"Authorization": f"Bearer {token}"} if token else {}
-
-    def __enter__(self):
-        return self
-
-    def __exit__(self, *_):
-        self.connection.close()
-
-    def ask(self, method, path, body=None, type_="application/json"):
-        headers = dict(self.headers)
-        if body is not None:
-            headers["Content-Type"] = type_
-        try:
-            self.connection.request(method, path, body, headers)
-            answer = self.connection.getresponse()
-            return answer.status, answer.read()
-        except http.client.HTTPException as error:
-            raise ConnectionError(str(error)) from error
-
-
 class Item:
     def __init__(self, kind, name):
-        self.path = f"/api/v1/items/{kind}/{name}"
+        self.path = f"/items/{kind}/{name}"
         self.kind, self.name = kind, name
         self.versions = []  # (number, bytes) acknowledged, oldest first
         self.in_flight = None
@@ -142,23 +115,20 @@ class Item:
 
     def check(self, client):
         """What is wrong with this item, or nothing."""
-        status, body = client.ask("GET", self.path + "/versions")
-        if status != 200 and not self.versions and not self.in_flight:
-            return None
-        found = [entry["version"] for entry in json.loads(body).get("versions", [])]
-        came = self.in_flight is not None and found[-1:] == [self.in_flight[0]]
-        if came:
+        connection = client.connection()
+        answer = client.ask("GET", self.path + "/versions", connection=connection)
+        found = [entry["version"] for entry in answer.json()["versions"]] if answer.status == 200 else []
+        if self.in_flight and found[-1:] == [self.in_flight[0]]:
             self.versions.append(self.in_flight)
+        self.in_flight = None
         wanted = self.versions[-KEEP:]
         if found != [number for number, _ in wanted]:
             return f"{self.name}: expected versions {[number for number, _ in wanted]}, found {found}"
         for number, content in wanted:
-            status, body = client.ask("GET", f"{self.path}/versions/{number}")
-            if (status, body) != (200, content):
+            if client.ask("GET", f"{self.path}/versions/{number}", connection=connection).body != content:
                 return f"{self.name}: version {number} is not whole"
-        if wanted and client.ask("GET", self.path) != (200, wanted[-1][1]):
+        if wanted and client.ask("GET", self.path, connection=connection).body != wanted[-1][1]:
             return f"{self.name}: the current version is not the newest"
-        self.in_flight = None
         return None
 
 
@@ -173,24 +143,24 @@ class Uploader(threading.Thread):
 
     def run(self):
         try:
-            with self.server.connect() as client:
-                while not self.trouble:
-                    self.upload(client)
-        except OSError:
+            client = self.server.client()
+            connection = client.connection()
+            while not self.trouble:
+                self.upload(client, connection)
+        except (OSError, HTTPException):
             pass  # killed
 
-    def upload(self, client):
+    def upload(self, client, connection):
         item = self.chance.choice(self.items)
         content = item.make(self.chance)
         item.in_flight = (item.versions[-1][0] + 1 if item.versions else 1, content)
         self.begun += 1
         type_ = "application/octet-stream" if item.kind == "template" else "application/json"
-        status, body = client.ask("PUT", item.path, content, type_)
-        answer = json.loads(body)
-        if status not in (200, 201) or answer["sha256"] != hashlib.sha256(content).hexdigest():
-            self.trouble = f"{item.name}: refused: {status} {body[:300]}"
-        elif answer["version"] != item.in_flight[0]:
-            self.trouble = f"{item.name}: expected version {item.in_flight[0]}, found {answer['version']}"
+        answer = client.ask("PUT", item.path, content, {"Content-Type": type_}, connection)
+        if answer.status != 201 or answer.json()["sha256"] != hashlib.sha256(content).hexdigest():
+            self.trouble = f"{item.name}: refused: {answer.status} {answer.body[:300]}"
+        elif answer.json()["version"] != item.in_flight[0]:
+            self.trouble = f"{item.name}: expected version {item.in_flight[0]}, found {answer.json()['version']}"
         item.versions.append(item.in_flight)
         item.in_flight = None
         self.acknowledged += 1
@@ -208,6 +178,9 @@ def torture(server, options):
     while counts["uploads"] < options.uploads:
         uploader = Uploader(server, items, chance)
         uploader.start()
+        uploads = chance.randrange(8)
+        while uploader.is_alive() and uploader.acknowledged < uploads:
+            time.sleep(0.002)
         time.sleep(chance.uniform(0, options.kill_within))
         server.kill()
         uploader.join()
@@ -226,10 +199,9 @@ def torture(server, options):
         server.launch()
         server.wait_ready()
         before = sum(len(item.versions) for item in items)
-        with server.connect() as client:
-            for item in items:
-                if trouble := item.check(client):
-                    sys.exit(f"after {counts}: {trouble}")
+        for item in items:
+            if trouble := item.check(server.client()):
+                sys.exit(f"after {counts}: {trouble}")
         counts["came_new"] += sum(len(item.versions) for item in items) - before
     return counts
 
@@ -240,7 +212,7 @@ def main():
     parser.add_argument("work", type=pathlib.Path)
     parser.add_argument("--uploads", type=int, default=1000)
     parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--kill-within", type=float, default=0.5)
+    parser.add_argument("--kill-within", type=float, default=0.05, help="s, after a few uploads")
     options = parser.parse_args()
     shutil.rmtree(options.work, ignore_errors=True)
     options.work.mkdir(parents=True)
