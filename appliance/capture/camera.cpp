@@ -28,7 +28,7 @@ Camera::Camera(const CameraConfig& config, Arena& arena) : config_(config) {
   memory_ = arena.take<std::uint8_t>("camera buffers", static_cast<std::size_t>(config.width) *
                                                            static_cast<std::size_t>(config.height) *
                                                            static_cast<std::size_t>(config.buffers));
-  error_ = failure(ResultCode::kCameraNotFound, "camera %s: not opened yet", config.id.c_str()).error();
+  error_ = failure(ResultCode::kCameraNotFound, "camera %s: not opened yet", config.name()).error();
 }
 
 Camera::~Camera() {
@@ -113,8 +113,7 @@ void Camera::open() {
 void Camera::lose() {
   camera_->mark_lost();
   remember(failure(ResultCode::kCameraLost,
-                   "camera %s: no longer answers; check its cable and power; it is reopened by itself",
-                   config_.id.c_str())
+                   "camera %s: no longer answers; check its cable and power; it is reopened by itself", config_.name())
                .error());
   state_ = CameraState::kLost;
 }

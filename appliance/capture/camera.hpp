@@ -34,13 +34,16 @@ struct CameraFacts {
 };
 
 struct CameraConfig {
-  std::string id;  // IPv4 address (best), or serial number
+  std::string id;  // IPv4 address (best), or serial number; empty: the first one found
   int width = 1280;
   int height = 960;
   int buffers = 24;                 // frames that may lie between network and fold: a whole sequence, if memory allows
   double timed_exposure_us = 8000;  // of a camera that has no ExposureMode TriggerWidth
   bool packet_socket = false;       // Aravis' raw socket: needs CAP_NET_RAW, saves copies
   int watch_ms = 500;               // between two signs of life, and between two attempts to open
+
+  // For messages.
+  [[nodiscard]] const char* name() const { return id.empty() ? "(the first one found)" : id.c_str(); }
 };
 
 enum class CameraState : std::uint8_t { kOpening, kReady, kLost };

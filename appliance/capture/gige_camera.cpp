@@ -26,8 +26,8 @@ Result<void> step(const CameraConfig& config, ResultCode code, const char* what,
   call(&error);
   if (error == nullptr) return {};
   const Result<void> failed =
-      failure(code, "camera %s: %s: %s; check address, cable, power and that no other program holds it",
-              config.id.c_str(), what, error->message);
+      failure(code, "camera %s: %s: %s; check address, cable, power and that no other program holds it", config.name(),
+              what, error->message);
   g_error_free(error);
   return failed;
 }
@@ -76,8 +76,8 @@ std::string address_text(in_addr address) {
 std::unexpected<Error> in_use(const CameraConfig& config, GvcpProbe& probe) {
   const auto holder = probe.controller(kFirstAnswerMs).value_or(GvcpProbe::Controller{});
   const std::string where = holder.address.s_addr == 0 ? "" : " at " + address_text(holder.address);
-  return failure(ResultCode::kCameraInUse, "camera %s: another program%s controls it; end that program",
-                 config.id.c_str(), where.c_str());
+  return failure(ResultCode::kCameraInUse, "camera %s: another program%s controls it; end that program", config.name(),
+                 where.c_str());
 }
 
 // Aravis needs seconds to find out that nobody is there, or that somebody else has the camera.
@@ -86,7 +86,7 @@ Result<void> ask_first(const CameraConfig& config, in_addr address) {
   const auto controller = probe.controller(kFirstAnswerMs);
   if (!controller) {
     return failure(ResultCode::kCameraNotFound, "camera %s: does not answer; check address, cable and power",
-                   config.id.c_str());
+                   config.name());
   }
   if (controller->there) return in_use(config, probe);
   return {};
@@ -128,13 +128,15 @@ void GigeCamera::abandon() {
 }
 
 Result<void> GigeCamera::connect() {
-  const Result<void> opened = step(config_, ResultCode::kCameraNotFound, "cannot be opened",
-                                   [&](GError** e) { camera_ = arv_camera_new(config_.id.c_str(), e); });
+  const Result<void> opened = step(config_, ResultCode::kCameraNotFound, "cannot be opened", [&](GError** e) {
+    const char* first_found = nullptr;
+    camera_ = arv_camera_new(config_.id.empty() ? first_found : config_.id.c_str(), e);
+  });
   if (!opened) return opened;
   if (camera_ == nullptr || !arv_camera_is_gv_device(camera_)) {
     return failure(ResultCode::kCameraNotFound,
                    "camera %s: expected a GigE Vision camera, found none; check address or serial number",
-                   config_.id.c_str());
+                   config_.name());
   }
   ArvDevice* device = arv_camera_get_device(camera_);
   lost_signal_ =
@@ -180,7 +182,7 @@ Result<void> GigeCamera::configure_region() {
   if (sensor_width < config_.width || sensor_height < config_.height) {
     return failure(ResultCode::kFrameWrongSize,
                    "camera %s: expected a sensor of at least %dx%d, found %dx%d; correct the configured size",
-                   config_.id.c_str(), config_.width, config_.height, sensor_width, sensor_height);
+                   config_.name(), config_.width, config_.height, sensor_width, sensor_height);
   }
   return step(config_, ResultCode::kCameraLost, "region and pixel format", [&](GError** e) {
     arv_camera_set_region(camera_, -1, -1, config_.width, config_.height, e);

@@ -104,6 +104,10 @@ installed_defaults() {
 # An edited configuration is never overwritten.
 place_configuration() {
   local target=$tree$configuration
+  if $dry && [ -n "$missing" ]; then
+    say "would: $configuration: the configuration, which beltpickd tells once its libraries are there"
+    return
+  fi
   installed_defaults
   if [ -f "$target" ] && ! cmp -s "$target" "$scratch/defaults.toml" && ! cmp -s "$target" "$tree$pristine"; then
     say "$configuration was edited: it stays as it is"

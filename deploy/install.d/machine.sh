@@ -9,7 +9,6 @@ need_libraries() {
     say "the tree needs the Debian packages of 'deploy/setup run'"
     return
   fi
-  local missing
   missing=$(ldd "$bin/beltpick" "$bin/beltpickd" | sed -n 's/^[[:space:]]*\([^ ]*\) => not found.*/\1/p' | sort -u | paste -sd ' ')
   if [ -z "$missing" ]; then
     say "all shared libraries are there"
