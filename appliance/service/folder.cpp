@@ -63,7 +63,11 @@ Folder::Answer<Folder> Folder::make(const std::filesystem::path& path) {
     if (part.empty() || part == "/") continue;
     if (const int error = make_one(so_far); error != 0) return std::unexpected(error);
   }
-  Descriptor descriptor(open(path.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  return open(path);
+}
+
+Folder::Answer<Folder> Folder::open(const std::filesystem::path& path) {
+  Descriptor descriptor(::open(path.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
   if (!descriptor.open()) return last_error();
   return Folder(std::move(descriptor));
 }

@@ -43,6 +43,9 @@ class Folder {
   // Makes `path` and its parents where they are missing. `path` itself may be a symbolic link.
   static Answer<Folder> make(const std::filesystem::path& path);
 
+  // `path` itself may be a symbolic link; nothing is made.
+  static Answer<Folder> open(const std::filesystem::path& path);
+
   // A folder in this one; ENOENT where there is none, ELOOP or ENOTDIR where it is something else.
   [[nodiscard]] Answer<Folder> sub(const std::string& name) const;
   // The same, made where it is missing, and flushed in any case: whoever made it may have died before that.

@@ -72,10 +72,11 @@ void ItemFolder::clear_away(const Folder& folder, const std::string& name, std::
                      "; the version before it stays current");
 }
 
-void ItemFolder::scan_version(const Folder& folder, const std::string& name, std::uint32_t number,
+void ItemFolder::scan_version(const Folder& folder, const std::string& name, std::uint32_t number, bool tidies,
                               std::vector<std::string>& warnings) {
-  last_number_ = std::max(last_number_, number);
   const Folder::Answer<std::string> bytes = folder.read(name, max_file_bytes(id_));
+  if (!bytes && bytes.error() == ENOENT) return;  // whoever has the store deleted it just now
+  last_number_ = std::max(last_number_, number);
   if (!bytes && !speaks_of_the_file(bytes.error())) {
     damaged_.push_back(number);
     warnings.push_back(shown(name) + ": cannot be read: " + reading_failed(bytes.error()) +
@@ -90,14 +91,14 @@ void ItemFolder::scan_version(const Folder& folder, const std::string& name, std
     return;
   }
   damaged_.push_back(number);
-  if (item.error().code == ResultCode::kVersionUnsupported) {
+  if (!tidies || item.error().code == ResultCode::kVersionUnsupported) {
     warnings.emplace_back(item.error().text());
   } else {
     set_aside(folder, name, std::string(item.error().text()), warnings);
   }
 }
 
-void ItemFolder::scan(const Folder& folder, std::vector<std::string>& warnings) {
+void ItemFolder::scan(const Folder& folder, bool tidies, std::vector<std::string>& warnings) {
   const Folder::Answer<std::vector<std::string>> names = folder.names();
   if (!names) {
     warnings.push_back(shown("") + ": cannot be read: " + std::strerror(names.error()) + "; check its permissions");
@@ -105,12 +106,12 @@ void ItemFolder::scan(const Folder& folder, std::vector<std::string>& warnings) 
   }
   for (const std::string& name : *names) {  // sorted: oldest first
     if (const std::uint32_t number = number_of(name, kItem); number > 0) {
-      scan_version(folder, name, number, warnings);
+      scan_version(folder, name, number, tidies, warnings);
     } else if (const std::uint32_t damaged = number_of(name, kDamaged); damaged > 0) {
       last_number_ = std::max(last_number_, damaged);
       damaged_.push_back(damaged);
     } else if (number_of(name, kPart) > 0) {
-      clear_away(folder, name, warnings);
+      if (tidies) clear_away(folder, name, warnings);  // else somebody may be writing it
     } else {
       warnings.push_back(shown(name) + ": not a file of the store; left alone");
     }

@@ -20,9 +20,9 @@ class ItemFolder {
   // `shown` is the folder's path for messages.
   ItemFolder(ItemId id, std::filesystem::path shown) : id_(std::move(id)), shown_(std::move(shown)) {}
 
-  // Reads every version and takes note of those that are whole. The others are set aside and leftovers of a write that
-  // was interrupted cleared away, each with a warning.
-  void scan(const Folder& folder, std::vector<std::string>& warnings);
+  // Reads every version and takes note of those that are whole. With `tidies` the others are set aside and leftovers of
+  // a write that was interrupted cleared away. Each has a warning.
+  void scan(const Folder& folder, bool tidies, std::vector<std::string>& warnings);
 
   // Oldest first; only whole ones.
   [[nodiscard]] const std::vector<VersionInfo>& versions() const { return versions_; }
@@ -42,7 +42,7 @@ class ItemFolder {
   void prune(const Folder& folder, int keep);
 
  private:
-  void scan_version(const Folder& folder, const std::string& name, std::uint32_t number,
+  void scan_version(const Folder& folder, const std::string& name, std::uint32_t number, bool tidies,
                     std::vector<std::string>& warnings);
   void set_aside(const Folder& folder, const std::string& name, const std::string& why,
                  std::vector<std::string>& warnings) const;

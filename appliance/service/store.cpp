@@ -35,8 +35,8 @@ bool is_valid(const ItemId& id) {
 
 struct Store::State {
   std::filesystem::path path;
-  Folder root;
-  Descriptor lock;
+  std::optional<Folder> root;  // nothing: a store that is looked at is not there
+  Descriptor lock;             // not open: only looked at
   int keep;
   std::mutex mutex;
   std::map<ItemId, ItemFolder> items;
@@ -49,7 +49,7 @@ struct Store::State {
     return found == items.end() ? nullptr : &found->second;
   }
   [[nodiscard]] Folder::Answer<Folder> open_folder(const ItemId& id) const {
-    const Folder::Answer<Folder> kind = root.sub(std::string(item_kind(id.kind).name));
+    const Folder::Answer<Folder> kind = root->sub(std::string(item_kind(id.kind).name));
     return kind ? kind->sub(id.name) : std::unexpected(kind.error());
   }
   [[nodiscard]] Folder::Answer<Folder> make_folder(const ItemId& id) const;
@@ -63,7 +63,7 @@ Folder::Answer<Folder> Store::State::make_folder(const ItemId& id) const {
   if (const ItemFolder* item = find(id); item != nullptr && item->newest() != nullptr) {
     if (Folder::Answer<Folder> known = open_folder(id)) return known;
   }
-  const Folder::Answer<Folder> kind = root.make_sub(std::string(item_kind(id.kind).name));
+  const Folder::Answer<Folder> kind = root->make_sub(std::string(item_kind(id.kind).name));
   return kind ? kind->make_sub(id.name) : std::unexpected(kind.error());
 }
 
@@ -71,7 +71,7 @@ void Store::State::scan_kind(const ItemKindEntry& kind, std::vector<std::string>
   const auto warn = [&](const std::string& name, const char* what) {
     warnings.push_back(contract_io::one_line((path / kind.name / name).string()) + ": " + what);
   };
-  const Folder::Answer<Folder> folder = root.sub(std::string(kind.name));
+  const Folder::Answer<Folder> folder = root->sub(std::string(kind.name));
   if (!folder && folder.error() == ENOENT) return;
   const auto names = folder ? folder->names() : std::unexpected(folder.error());
   if (!names) {
@@ -86,8 +86,8 @@ void Store::State::scan_kind(const ItemKindEntry& kind, std::vector<std::string>
       continue;
     }
     ItemFolder& scanned = items.emplace(id, item_folder(id)).first->second;
-    scanned.scan(*item, warnings);
-    scanned.prune(*item, keep);
+    scanned.scan(*item, lock.open(), warnings);
+    if (lock.open()) scanned.prune(*item, keep);
   }
 }
 
@@ -101,6 +101,10 @@ Result<Version> Store::State::read(const ItemId& id, std::uint32_t version) cons
 }
 
 Result<VersionInfo> Store::State::add(const ItemId& id, VersionInfo info, std::string_view bytes) {
+  if (!lock.open()) {
+    return failure(ResultCode::kUsage, "%s: expected a store that was opened, found one that is only looked at",
+                   in_words(id).c_str());
+  }
   const Folder::Answer<Folder> folder = make_folder(id);
   if (!folder) {
     return failure(ResultCode::kFileNotWritten,
@@ -138,6 +142,19 @@ Result<Store> Store::open(const std::filesystem::path& folder, std::vector<std::
                    taken ? "is a beltpickd running already? stop it first" : "check its permissions");
   }
   auto state = std::unique_ptr<State>(new State{folder, std::move(*root), std::move(*lock), std::max(keep, 1), {}, {}});
+  for (const ItemKindEntry& kind : kItemKinds) state->scan_kind(kind, warnings);
+  return Store(std::move(state));
+}
+
+Result<Store> Store::look(const std::filesystem::path& folder, std::vector<std::string>& warnings) {
+  Folder::Answer<Folder> root = Folder::open(folder);
+  if (!root && root.error() != ENOENT) {
+    return failure(ResultCode::kFileUnreadable, "%s: expected a folder with a store, found: %s; check the path",
+                   contract_io::one_line(folder.string()).c_str(), std::strerror(root.error()));
+  }
+  auto state = std::unique_ptr<State>(new State{folder, {}, {}, kKeep, {}, {}});
+  if (!root) return Store(std::move(state));
+  state->root = std::move(*root);
   for (const ItemKindEntry& kind : kItemKinds) state->scan_kind(kind, warnings);
   return Store(std::move(state));
 }

@@ -4,7 +4,7 @@
 // item_file.hpp). It is written beside its place, flushed to the disk, and renamed into it: whatever interrupts that,
 // the current version, which is the highest whole one, is the old or the new one. Going back to an older version and
 // removing an item are new versions themselves: nothing of the history is lost but what is older than `keep`. A number
-// is never given to other bytes again. One process at a time has the folder; within it any thread may call.
+// is never given to other bytes again. One process at a time has the folder, others may look; any thread may call.
 #pragma once
 
 #include <cstdint>
@@ -50,8 +50,12 @@ class Store {
   static constexpr std::size_t kMaxItems = 1000;  // of one kind, removed ones among them
 
   // Opens `folder`, making it where needed. Files that are not whole are set aside (renamed to *.damaged) with a
-  // warning. Errors: kFileNotWritten (also while another process has it), kFileUnreadable.
+  // warning. Error: kFileNotWritten, also while another process has it.
   static Result<Store> open(const std::filesystem::path& folder, std::vector<std::string>& warnings, int keep = kKeep);
+
+  // What open() would find, with nothing written, made or locked: also while a beltpickd has it. A folder that is not
+  // there is an empty store. put() and remove() are refused. Error: kFileUnreadable.
+  static Result<Store> look(const std::filesystem::path& folder, std::vector<std::string>& warnings);
 
   Store(Store&&) noexcept;
   Store& operator=(Store&&) noexcept;

@@ -215,6 +215,39 @@ TEST_CASE("when the numbers are used up, that is said, and nothing is lost") {
   CHECK(store->get(kKnuckle)->bytes == "1");
 }
 
+TEST_CASE("a store can be looked at while another has it, and nothing is changed") {
+  const TempFolder temp;
+  fill(temp.path(), 12);
+  Opened owner(temp.path());
+  const fs::path newest = version_file(temp.path(), kKnuckle, 12);
+  overwrite(newest, "rubbish");
+  overwrite(fs::path(newest).replace_filename("00000013.part"), "being written");
+  std::vector<std::string> warnings;
+  auto looked = service::Store::look(temp.path(), warnings);
+  REQUIRE(looked);
+  CHECK(warnings.size() == 1);
+  CHECK(looked->list() == std::vector<ItemId>{kKnuckle});
+  CHECK(looked->get(kKnuckle)->bytes == "11");
+  CHECK(looked->fallbacks().size() == 1);
+  CHECK(looked->put(kKnuckle, "x", "t").error().code == ResultCode::kUsage);
+  CHECK(looked->put(kWasher, "x", "t").error().code == ResultCode::kUsage);
+  CHECK(looked->remove(kKnuckle, "t").error().code == ResultCode::kUsage);
+  CHECK(fs::exists(newest));
+  CHECK(fs::exists(fs::path(newest).replace_filename("00000013.part")));
+  CHECK(owner->put(kKnuckle, "13", "t")->version == 13);
+}
+
+TEST_CASE("a store that is not there is an empty one to who looks, and is not made") {
+  const TempFolder temp;
+  std::vector<std::string> warnings;
+  auto looked = service::Store::look(temp / "nothing", warnings);
+  REQUIRE(looked);
+  CHECK(looked->list().empty());
+  CHECK(looked->put(kKnuckle, "x", "t").error().code == ResultCode::kUsage);
+  CHECK_FALSE(fs::exists(temp / "nothing"));
+  CHECK(service::Store::look(temp.file("file", "x"), warnings).error().code == ResultCode::kFileUnreadable);
+}
+
 TEST_CASE("gaps in the numbers stay") {
   const TempFolder temp;
   fill(temp.path(), 4);
