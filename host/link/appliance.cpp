@@ -61,7 +61,9 @@ std::unexpected<Error> refusal(const Address& address, const HttpAnswer& answer)
       detail.find(';') == std::string::npos && !remedy.empty()) {
     detail += "; " + remedy;
   }
-  if (answer.retry_after_s) detail += "; try again in " + std::to_string(*answer.retry_after_s) + " s";
+  if (answer.retry_after_s && detail.find("wait ") == std::string::npos) {
+    detail += "; try again in " + std::to_string(*answer.retry_after_s) + " s";
+  }
   return failure(code, "%s: %s", address.text().c_str(), detail.c_str());
 }
 
