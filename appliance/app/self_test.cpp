@@ -9,6 +9,7 @@
 #include "capture/receive_buffer.hpp"
 #include "contract/registers.hpp"
 #include "service/machine_facts.hpp"
+#include "service/store_facts.hpp"
 #include "service/utc.hpp"
 
 namespace beltpick::app {
@@ -153,7 +154,9 @@ service::SelfTestFacts gather_facts(const SelfTestOf& of) {
   facts.service_port = of.service_port;
   facts.state_folder = folder_found(settings, settings.state);
   facts.record_folder = folder_found(settings, settings.record_folder);
+  if (!settings.state.empty()) facts.store = service::find_store(from_settings(settings, settings.state));
   facts.calibration = calibration_found(of);
+  if (facts.store.configured) facts.calibration.age_days = facts.store.calibration_age_days;
   facts.models = models_found(of);
   facts.clock = service::find_clock();
   facts.memory = {of.memory_locked, of.memory_bytes};

@@ -23,6 +23,7 @@ Check check_realtime(bool allowed);
 Check check_service(const PortFound& port, const CertificateFound& certificate);
 
 // self_test_models.cpp
+Check check_store(const StoreFound& store);
 Check check_calibration(const CalibrationFound& calibration);
 Check check_models(const ModelsFound& models);
 

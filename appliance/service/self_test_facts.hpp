@@ -76,6 +76,14 @@ struct FolderFound {
   std::int64_t free_bytes = 0;
 };
 
+struct StoreFound {
+  bool configured = false;
+  Error problem;  // kOk where it can be read
+  int items = 0;
+  std::string damaged;                         // the first item whose newest version was damaged, in words; empty: none
+  std::optional<double> calibration_age_days;  // since it was stored
+};
+
 struct CalibrationFound {
   bool there = false;
   Error problem;  // kOk where it can be used
@@ -116,6 +124,7 @@ struct SelfTestFacts {
   TriggerFound trigger;
   PortFound plc_port, service_port;
   FolderFound state_folder, record_folder;
+  StoreFound store;
   CalibrationFound calibration;
   ModelsFound models;
   ClockFound clock;
@@ -125,7 +134,7 @@ struct SelfTestFacts {
 };
 
 // The verdicts, one check after the other: camera, image size, exposure, packet size, socket buffer, trigger box,
-// lines, PLC port, state folder, record folder, calibration, models, clock, memory lock, real-time, service.
+// lines, PLC port, state folder, record folder, store, calibration, models, clock, memory lock, real-time, service.
 SelfTestReport judge(const SelfTestFacts& facts);
 
 }  // namespace beltpick::service

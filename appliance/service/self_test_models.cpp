@@ -1,4 +1,4 @@
-// The self-test's checks of what the cell works with: calibration, recipe, templates.
+// The self-test's checks of what the cell works with: store, calibration, recipe, templates.
 #include "contract/result_codes.hpp"
 #include "service/self_test_checks.hpp"
 
@@ -6,6 +6,16 @@ namespace beltpick::service {
 
 namespace {
 constexpr double kOldDays = 90.0;
+}
+
+Check check_store(const StoreFound& store) {
+  constexpr const char* kName = "store";
+  if (!store.configured) return skipped(kName, "none is configured: the files of [model] are used as they are");
+  if (store.problem.code != ResultCode::kOk) return failed_by(kName, store.problem);
+  if (store.damaged.empty()) return good(kName, "%d item%s", store.items, store.items == 1 ? "" : "s");
+  return not_good(Verdict::kFailed, kName, store.damaged,
+                  "the newest version was damaged on the disk; it was set aside",
+                  "upload it again, and check the disk; an older version is in use until then");
 }
 
 Check check_calibration(const CalibrationFound& calibration) {

@@ -75,6 +75,7 @@ SelfTestReport judge(const SelfTestFacts& facts) {
       check_plc_port(facts.plc_port),
       check_folder("state folder", facts.state_folder, "none is configured: the files of [model] are used as they are"),
       check_folder("record folder", facts.record_folder, "none is configured: no captures are kept"),
+      check_store(facts.store),
       check_calibration(facts.calibration),
       check_models(facts.models),
       check_clock(facts.clock),

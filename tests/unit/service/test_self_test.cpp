@@ -44,6 +44,7 @@ SelfTestFacts good_cell() {
   facts.service_port = {PortState::kServedHere, "127.0.0.1", 8443, "", false};
   facts.state_folder = {true, "/var/lib/beltpick", true, true, "", 20'000'000'000};
   facts.record_folder = {true, "/var/lib/beltpick/records", true, true, "", 20'000'000'000};
+  facts.store = {true, {}, 4, "", 12.0};
   facts.calibration = {true, {}, "cal-1", "E-1", 12.0};
   facts.models = {{}, 1, "knuckles", 2, 22};
   facts.clock = {1'800'000'000, 1'790'000'000, true};
@@ -137,6 +138,11 @@ const Fault kFaults[] = {
      Verdict::kFailed, "CALIBRATION_MISMATCH"},
     {"calibration old", [](SelfTestFacts& f) { f.calibration.age_days = 91.0; }, "calibration", Verdict::kWarning,
      "91 days"},
+    {"newest version damaged", [](SelfTestFacts& f) { f.store.damaged = "cell: version 3 is damaged"; }, "store",
+     Verdict::kFailed, "upload it again"},
+    {"store unreadable",
+     [](SelfTestFacts& f) { f.store.problem = error(ResultCode::kFileUnreadable, "store: no folder; check the path"); },
+     "store", Verdict::kFailed, "check the path"},
     {"template missing", [](SelfTestFacts& f) { f.models.problem.code = ResultCode::kNoTemplate; }, "models",
      Verdict::kFailed, "teach"},
     {"clock at 1970", [](SelfTestFacts& f) { f.clock.now_s = 1000; }, "clock", Verdict::kFailed, "timedatectl"},
