@@ -8,6 +8,7 @@
 #include <string>
 
 #include "app/appliance.hpp"
+#include "app/state_owner.hpp"
 #include "contract/result_codes.hpp"
 #include "service/self_test_text.hpp"
 #include "service/service.hpp"
@@ -82,7 +83,9 @@ int make_one_time_token(const app::Settings& settings) {
   if (settings.state.empty()) {
     return fail(failure(ResultCode::kUsage, "service.state: expected a state folder, found none; set it").error());
   }
-  const auto path = service::new_one_time_token(app::from_settings(settings, settings.state));
+  const auto state = app::from_settings(settings, settings.state);
+  if (const auto became = app::become_owner_of(state); !became) return fail(became.error());
+  const auto path = service::new_one_time_token(state);
   if (!path) return fail(path.error());
   std::printf("%s holds a token that enrols once: beltpick enrol --to HOST\n", path->c_str());
   return 0;

@@ -8,6 +8,7 @@ import pathlib
 import shutil
 import subprocess
 import sys
+import tempfile
 
 SOURCE = pathlib.Path(__file__).resolve().parents[3]
 INSTALL = SOURCE / "deploy" / "install"
@@ -171,6 +172,26 @@ def refusals(tree):
             sys.exit(f"{words}: expected '{said}', found {done.stderr!r}")
 
 
+def token_of_root(tree):
+    """A one-time token that root asks for is readable by the account that beltpickd runs as."""
+    if os.geteuid() != 0:
+        print("token: skipped, not root")
+        return
+    with tempfile.TemporaryDirectory() as folder:
+        os.chmod(folder, 0o755)
+        state = pathlib.Path(folder) / "state"
+        state.mkdir(mode=0o750)
+        os.chown(state, 65534, 65534)
+        config = pathlib.Path(folder) / "beltpickd.toml"
+        config.write_text(f'[model]\nrecipes = ["recipe.json"]\n[service]\nstate = "{state}"\n')
+        done = subprocess.run([tree.bin / "beltpickd", "--new-one-time-token", "--config", config],
+                              capture_output=True, text=True, timeout=30)
+        expect(f"exit code of --new-one-time-token ({done.stderr})", done.returncode, 0)
+        owners = {path.name: path.stat().st_uid for path in state.rglob("*")}
+        expect("owners in the state folder", set(owners.values()), {65534})
+        expect("mode of the token", (state / "one_time_token").stat().st_mode & 0o777, 0o600)
+
+
 def unit(tree):
     """The unit file holds what issue 3 asks for, by systemd's own judgement."""
     if shutil.which("systemd-analyze") is None:
@@ -191,7 +212,8 @@ def main():
     bin_folder, work = (pathlib.Path(argument).resolve() for argument in sys.argv[1:3])
     work.mkdir(parents=True, exist_ok=True)
     tree = Tree(bin_folder, work)
-    for test in (fresh, twice, interrupted, switched_off, upgraded, edited, dry_run, uninstalled, purged, refusals, unit):
+    for test in (fresh, twice, interrupted, switched_off, upgraded, edited, dry_run, uninstalled, purged, refusals, token_of_root,
+                 unit):
         test(tree)
         print(f"{test.__name__}: as expected")
 
