@@ -60,25 +60,63 @@ constexpr double kWorthFinishing = 0.5;
 constexpr double kRivalStrength = 0.8;
 constexpr int kFinishedRivals = 4;
 
-// The covariance counts random errors alone; a freedom that they leave this uncertain is not determined.
-constexpr double kUndetermined_mm = 0.3;
-constexpr double kUndetermined_rad = 0.006;
+// The covariance counts random errors alone. What errs the same way at many points (the template's spacing, the bias of
+// an outline) was seen to be some ten times as much; with that, a pose must be good enough to grip.
+constexpr double kSystematic = 10.0;
+constexpr double kAllowed_mm = 1.0;
+constexpr double kAllowed_rad = rad_from_deg(1.0);
+
+// Along a freedom held less firmly than this (random errors, on the part's rim) other poses are looked for, so far
+// away.
+constexpr double kFirm_mm = 0.015;
+constexpr std::array<double, 6> kExplored_mm{2.5, -2.5, 6.0, -6.0, 14.0, -14.0};
+
+using Mat6 = Eigen::Matrix<double, 6, 6>;
+using Vec6 = Eigen::Matrix<double, 6, 1>;
+
+// Takes turns about the axis of a body of revolution out: they do not change it.
+Mat6 counted(const Candidate& candidate, const PartModel& model) {
+  Mat6 across = Mat6::Identity();
+  if (model.sphere) across.topLeftCorner<3, 3>().setZero();
+  if (model.revolution) {
+    const Vec3 axis = candidate.alignment.T_camera_part.rotation * model.axis_direction;
+    across.topLeftCorner<3, 3>() -= axis * axis.transpose();
+  }
+  return across * candidate.alignment.covariance * across;
+}
 
 // Whether the measured surface and outline hold the part in place, but for turns that do not change it.
 bool determined(const Candidate& candidate, const PartModel& model) {
   if (model.sphere) return true;
-  const auto& covariance = candidate.alignment.covariance;
-  Mat3 turns = covariance.topLeftCorner<3, 3>();
+  const Mat6 covariance = counted(candidate, model);
   Eigen::SelfAdjointEigenSolver<Mat3> slide, turn;
-  if (model.revolution) {
-    const Vec3 axis = candidate.alignment.T_camera_part.rotation * model.axis_direction;
-    const Mat3 across = Mat3::Identity() - axis * axis.transpose();
-    turns = across * turns * across;
-  }
   slide.computeDirect(Mat3(covariance.bottomRightCorner<3, 3>()), Eigen::EigenvaluesOnly);
-  turn.computeDirect(turns, Eigen::EigenvaluesOnly);
-  return slide.eigenvalues().maxCoeff() < kUndetermined_mm * kUndetermined_mm &&
-         turn.eigenvalues().maxCoeff() < kUndetermined_rad * kUndetermined_rad;
+  turn.computeDirect(Mat3(covariance.topLeftCorner<3, 3>()), Eigen::EigenvaluesOnly);
+  return kSystematic * std::sqrt(slide.eigenvalues().maxCoeff()) < kAllowed_mm &&
+         kSystematic * std::sqrt(turn.eigenvalues().maxCoeff()) < kAllowed_rad;
+}
+
+// The freedom that is held least: a small motion as the covariance has it, moving the part's rim by 1 mm. Nothing where
+// all are held firmly.
+std::optional<Vec6> loosest_freedom(const Candidate& candidate, const PartModel& model) {
+  Vec6 scale = Vec6::Ones();
+  scale.head<3>().setConstant(2.0 / model.diagonal_mm);
+  const Mat6 on_rim_mm2 =
+      scale.cwiseInverse().asDiagonal() * counted(candidate, model) * scale.cwiseInverse().asDiagonal();
+  const Eigen::SelfAdjointEigenSolver<Mat6> freedoms(on_rim_mm2);
+  if (freedoms.eigenvalues()[5] < kFirm_mm * kFirm_mm) return std::nullopt;
+  return scale.cwiseProduct(freedoms.eigenvectors().col(5));
+}
+
+// The pose after a motion in the camera frame about the part's centre.
+result::PartPose moved(const result::PartPose& T_camera_part, const Vec6& motion, const PartModel& model) {
+  const Vec3 turn = motion.head<3>();
+  const double angle = turn.norm();
+  const Mat3 rotation =
+      angle < 1e-12 ? Mat3(Mat3::Identity()) : Mat3(Eigen::AngleAxisd(angle, turn / angle).toRotationMatrix());
+  const Vec3 centre_mm = T_camera_part * model.centre_mm;
+  const Mat3 turned = rotation * T_camera_part.rotation;
+  return {turned, centre_mm + motion.tail<3>() - turned * model.centre_mm};
 }
 
 // Where to look within an object that is none of the parts as a whole: round its highest point and those far from it.
@@ -172,8 +210,8 @@ Attempt PoseFinder::try_routes(const Context& context) {
     for (int i = 0; i < static_cast<int>(context.models.size()); ++i) collect(context, i, route);
     const Attempt attempt = decide(context);
     if (attempt.verified) return attempt;
-    const bool farther = attempt.stage == nearest.stage ? attempt.best.strength > nearest.best.strength
-                                                        : attempt.stage > nearest.stage;
+    const bool farther =
+        attempt.stage == nearest.stage ? attempt.best.strength > nearest.best.strength : attempt.stage > nearest.stage;
     if (farther) nearest = attempt;
   }
   return nearest;
@@ -341,7 +379,8 @@ Attempt PoseFinder::decide(const Context& context) {
     Candidate champion = candidate;
     finish(context, champion);
     const bool first = finished++ == 0;
-    const auto verdict = trial(context, champion, i);
+    const bool itself = !explore(context, champion);
+    const auto verdict = trial(context, champion, itself ? i : kNoIndex);
     if (verdict || first || verdict.error().code == ResultCode::kPoseAmbiguous) {
       attempt.best = champion;
       attempt.verified = verdict.has_value();
@@ -350,6 +389,26 @@ Attempt PoseFinder::decide(const Context& context) {
     if (verdict || verdict.error().code == ResultCode::kPoseAmbiguous) break;
   }
   return attempt;
+}
+
+// Looks for other poses along the freedom that is held least: few points may hold it, and wrongly. Those found become
+// candidates; a stronger one takes the champion's place. Returns whether one did.
+bool PoseFinder::explore(const Context& context, Candidate& champion) {
+  const PartModel& model = context.models[static_cast<std::size_t>(champion.model_index)];
+  const auto freedom = loosest_freedom(champion, model);
+  if (!freedom) return false;
+  const Candidate before = champion;
+  for (const double rim_mm : kExplored_mm) {
+    if (candidate_count_ == kMaxCandidates) break;
+    Candidate other = before;
+    other.alignment.T_camera_part = moved(before.alignment.T_camera_part, rim_mm * *freedom, model);
+    align_fully(context, other);
+    finish(context, other);
+    if (same_place(other, before, model)) continue;
+    candidates_[static_cast<std::size_t>(candidate_count_++)] = other;
+    if (other.strength > champion.strength) champion = other;
+  }
+  return champion.strength > before.strength;
 }
 
 Result<void> PoseFinder::trial(const Context& context, const Candidate& champion, int index) {

@@ -51,6 +51,7 @@ class PoseFinder {
  private:
   static constexpr int kMaxCandidates = 40;
   static constexpr int kMaxPrimitivesFound = 4;
+  static constexpr int kNoIndex = -1;
 
   struct Context {
     const result::Scene& scene;
@@ -73,6 +74,7 @@ class PoseFinder {
   void weigh(const Context& context, Candidate& candidate);
   void finish(const Context& context, Candidate& candidate);
   Attempt decide(const Context& context);
+  bool explore(const Context& context, Candidate& champion);
   Result<void> trial(const Context& context, const Candidate& champion, int index);
   bool beats_rivals(const Context& context, const Candidate& champion, int index);
   void sort_by_strength();

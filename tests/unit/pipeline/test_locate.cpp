@@ -135,6 +135,28 @@ TEST_CASE("a part that stands on one face and reaches out of the image is found 
   }
 }
 
+TEST_CASE("a part that shows little more than its hub is right or withheld") {
+  const Shape shape = knuckle();
+  const LoadedPart loaded(shape);
+  Locator locator(test_limits(), 1);
+  // The hub's axis along the image border, the arm beyond it.
+  for (const double x_mm : {170.0, 180.0, 190.0}) {
+    for (const double turn_deg : {-40.0, -15.0, 15.0, 40.0}) {
+      const Mat3 rotation = Eigen::AngleAxisd(rad_from_deg(turn_deg), Vec3::UnitY()).toRotationMatrix();
+      const auto truth = on_belt(shape, loaded.part, rotation, x_mm, 10.0);
+      SceneImage image = render({{&shape, truth}});
+      auto input = input_of(image);
+      input.projector_mm = scene_light_mm();
+      for (const LocatedPart& part : locator.made.locate(input, loaded.store.made.models()).parts) {
+        INFO(x_mm << " " << turn_deg);
+        const PoseDifference d = difference_modulo_symmetry(part.T_camera_part, truth, loaded.model());
+        CHECK(d.translation_mm < 1.0);
+        CHECK(deg_from_rad(d.rotation_rad) < 1.0);
+      }
+    }
+  }
+}
+
 TEST_CASE("any number of workers gives the same bits, and so does doing it again") {
   const Shape shape = bracket();
   const LoadedPart loaded(shape);
