@@ -66,8 +66,9 @@ std::string item_words(const link::RouteValues& item) {
   return item.kind == item.name ? item.kind : item.kind + " " + item.name;
 }
 
-Result<Json> ask(link::Appliance& appliance, ApiAction action, const link::RouteValues& values, std::string_view body) {
-  const auto answer = appliance.call(action, values, body);
+Result<Json> ask(link::Appliance& appliance, ApiAction action, const link::RouteValues& values, std::string_view body,
+                 const link::Progress& progress) {
+  const auto answer = appliance.call(action, values, body, progress);
   if (!answer) return std::unexpected(answer.error());
   Json json = Json::parse(answer->body, nullptr, false);
   if (!json.is_discarded()) return json;

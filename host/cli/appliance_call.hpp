@@ -34,7 +34,7 @@ std::string item_words(const link::RouteValues& item);
 
 // A call whose answer is JSON. Errors: those of link::Appliance::call; kFormatInvalid.
 Result<contract_io::Json> ask(link::Appliance& appliance, ApiAction action, const link::RouteValues& values = {},
-                              std::string_view body = {});
+                              std::string_view body = {}, const link::Progress& progress = {});
 
 // The value at a JSON pointer such as "/recipe/name" as text for a person; "" where there is none.
 std::string words_at(const contract_io::Json& json, const char* pointer);

@@ -7,12 +7,14 @@
 #include "contract/result_codes.hpp"
 #include "doctor_checks.hpp"
 #include "options.hpp"
+#include "progress.hpp"
 
 namespace beltpick::cli {
 namespace {
 
 using contract_io::Json;
 
+constexpr int kStepsHere = 7;  // then comes the appliance's self-test, which takes its time
 constexpr const char* kVerdicts[] = {"good", "skipped", "warning", "failed"};  // from the best to the worst
 
 std::ptrdiff_t count(const std::vector<DoctorCheck>& checks, const char* verdict) {
@@ -67,7 +69,11 @@ std::string report_text(const std::vector<DoctorCheck>& checks) {
 Result<void> run(const std::string& to, Session& session) {
   const auto address = link::parse_address(to);
   if (!address) return std::unexpected(address.error());
-  const auto checks = doctor_checks(*address);
+  std::vector<DoctorCheck> checks;
+  {
+    Progress bar("doctor", kStepsHere + 1, session.json);
+    checks = doctor_checks(*address, [&](std::size_t, std::size_t) { bar.show(kStepsHere); });
+  }
   session.answer(report_json(checks, *address), report_text(checks));
   const auto failed =
       std::find_if(checks.begin(), checks.end(), [](const auto& check) { return check.verdict == "failed"; });

@@ -51,9 +51,7 @@ DoctorCheck check_port(const link::Address& address) {
               "see 'systemctl status beltpickd' there and [service] address and port in its configuration");
 }
 
-DoctorCheck check_certificate(const link::Address& address, const link::FirstContact& contact,
-                              const Result<link::KnownAppliance>& known) {
-  (void)address;
+DoctorCheck check_certificate(const link::FirstContact& contact, const Result<link::KnownAppliance>& known) {
   const std::string shown = contact.fingerprint.text();
   if (!known) return here("certificate", "skipped", "shows " + shown + "; none is known here");
   if (known->fingerprint == contact.fingerprint) return here("certificate", "good", "is the pinned one, " + shown);
@@ -88,8 +86,8 @@ DoctorCheck check_token(const Result<Json>& status, const link::KnownAppliance& 
 }
 
 // What the appliance found of itself: a new run where the role allows it, else the last one.
-void add_self_test(link::Appliance& appliance, std::vector<DoctorCheck>& checks) {
-  auto report = ask(appliance, ApiAction::kRunSelfTest);
+void add_self_test(link::Appliance& appliance, std::vector<DoctorCheck>& checks, const link::Progress& meanwhile) {
+  auto report = ask(appliance, ApiAction::kRunSelfTest, {}, {}, meanwhile);
   if (!report && report.error().code == ResultCode::kRoleTooLow) {
     checks.push_back(here("self-test", "skipped", "this is the last one: running it takes an operator's token"));
     report = ask(appliance, ApiAction::kSelfTest);
@@ -129,7 +127,7 @@ Result<link::KnownAppliance> find_known(const link::Address& address, std::vecto
 
 }  // namespace
 
-std::vector<DoctorCheck> doctor_checks(const link::Address& address) {
+std::vector<DoctorCheck> doctor_checks(const link::Address& address, const link::Progress& meanwhile) {
   std::vector<DoctorCheck> checks;
   const auto known = find_known(address, checks);
   if (!passed(checks, check_name(address)) || !passed(checks, check_port(address))) return checks;
@@ -139,13 +137,15 @@ std::vector<DoctorCheck> doctor_checks(const link::Address& address) {
                           "check the port: [service] port in the appliance's configuration"));
     return checks;
   }
-  const bool certified = passed(checks, check_certificate(address, *contact, known));
+  const bool certified = passed(checks, check_certificate(*contact, known));
   const Json health = Json::parse(contact->health.body, nullptr, false);
   checks.push_back(check_versions(health));
   checks.push_back(check_clock(health));
   if (!known || !certified) return checks;
   link::Appliance appliance(*known);
-  if (passed(checks, check_token(ask(appliance, ApiAction::kStatus), *known))) add_self_test(appliance, checks);
+  if (passed(checks, check_token(ask(appliance, ApiAction::kStatus), *known))) {
+    add_self_test(appliance, checks, meanwhile);
+  }
   return checks;
 }
 

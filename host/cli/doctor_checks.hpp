@@ -4,8 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "contract_io/json_writer.hpp"
-#include "link/address.hpp"
+#include "link/http_client.hpp"
 
 namespace beltpick::cli {
 
@@ -16,7 +15,7 @@ struct DoctorCheck {
   std::string found, cause, remedy;
 };
 
-// Goes on as far as it can: what cannot be checked because of an earlier failure is "skipped".
-std::vector<DoctorCheck> doctor_checks(const link::Address& address);
+// Goes on as far as an earlier failure lets it. `meanwhile` is called now and then while the self-test runs.
+std::vector<DoctorCheck> doctor_checks(const link::Address& address, const link::Progress& meanwhile);
 
 }  // namespace beltpick::cli
