@@ -1,6 +1,7 @@
 #include "app/appliance.hpp"
 
 #include <pthread.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -19,6 +20,7 @@ namespace {
 constexpr int kCycleStep_ms = 2;
 constexpr int kPlcStep_ms = 10;
 constexpr int kServiceStep_ms = 20;
+constexpr int kModelsNice = 10;  // reading and building what is to come must not take time from the cycle
 constexpr int kSupervise_ms = 50;
 constexpr int kStop_ms = 1200;  // what the vision thread has to end in; the whole stop takes less than 2 s
 constexpr int kThreadLimit_ms = 2000;
@@ -86,7 +88,7 @@ Stages::Stages(Arena& arena, const Settings& settings, Log& log, RunBook& book)
       trigger(trigger_config(settings)),
       recorder(arena, settings, log),
       work(arena, settings, {camera, trigger, hub, recorder, book, refused}) {
-  hub.on_load([this](const Geometry& geometry, const LoadedRecipe& recipe) { return work.adopt(geometry, recipe); });
+  hub.on_load([this](const Geometry& geometry, LoadedRecipe& recipe) { return work.adopt(geometry, recipe); });
 }
 
 // The threads of a running appliance; made in run(), ended in the reverse order.
@@ -120,7 +122,7 @@ struct Appliance::Threads {
   VisionThread vision;
   Controller controller;
   std::atomic<bool> stop{false};
-  std::thread cycle, plc, service;
+  std::thread cycle, plc, service, models;
 };
 
 std::size_t Appliance::measure(const Settings& settings, Log& log) {
@@ -149,6 +151,17 @@ std::string Appliance::budget_text() const {
   return text + line;
 }
 
+Result<void> Appliance::open_state(State state) {
+  if (settings_.state.empty()) return {};
+  std::vector<std::string> warnings;
+  auto kept = state == State::kKeep ? KeptModels::open(settings_, warnings) : KeptModels::look(settings_, warnings);
+  for (const std::string& warning : warnings) log_.write(LogLevel::kWarning, "%s", warning.c_str());
+  if (!kept) return std::unexpected(kept.error());
+  kept_ = std::move(*kept);
+  stages_->hub.use(kept_->source(), kept_->memory());
+  return {};
+}
+
 void Appliance::lock_memory() {
   if (block_.lock()) {
     log_.write(LogLevel::kInfo, "%.1f MB taken and locked", static_cast<double>(block_.bytes()) / 1e6);
@@ -158,12 +171,11 @@ void Appliance::lock_memory() {
   }
 }
 
-service::SelfTestReport Appliance::self_test_alone(const Result<void>& loaded) {
+service::SelfTestReport Appliance::self_test_alone() {
   SelfTestOf of{.settings = settings_,
                 .camera = stages_->camera,
                 .trigger = stages_->trigger,
                 .hub = stages_->hub,
-                .load_problem = loaded ? Error{} : loaded.error(),
                 .memory_locked = block_.lock(),
                 .memory_bytes = static_cast<std::int64_t>(block_.bytes()),
                 .plc_port = {},
@@ -208,13 +220,20 @@ Result<int> Appliance::run() {
   });
   threads->service = std::thread([this, &threads = *threads] {
     while (!threads.stop) {
-      if (stages_->hub.wants_to_load()) stages_->hub.serve(threads.vision.idle());
-      if (stages_->camera.state() == capture::CameraState::kReady) stages_->hub.check_camera(stages_->camera.serial());
       stages_->recorder.serve(stages_->hub, arena_.shares());
       std::this_thread::sleep_for(std::chrono::milliseconds(kServiceStep_ms));
     }
   });
   name_thread(threads->service, "service");
+  threads->models = std::thread([this, &threads = *threads] {
+    setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), kModelsNice);
+    while (!threads.stop) {
+      stages_->hub.serve([&threads] { return threads.vision.idle(); });
+      if (stages_->camera.state() == capture::CameraState::kReady) stages_->hub.check_camera(stages_->camera.serial());
+      std::this_thread::sleep_for(std::chrono::milliseconds(kServiceStep_ms));
+    }
+  });
+  name_thread(threads->models, "models");
   const int exit_code = supervise(*threads);
   stop(*threads);
   return exit_code;
@@ -267,6 +286,7 @@ void Appliance::stop(Threads& threads) {
     std::_Exit(0);  // it cannot be interrupted, and nothing of it is needed any more
   }
   threads.service.join();
+  threads.models.join();
   write_summary_file();
   log_.write(LogLevel::kInfo, "stopped");
   log_.drain(STDERR_FILENO);

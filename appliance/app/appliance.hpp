@@ -7,6 +7,7 @@
 
 #include "app/capture_and_locate.hpp"
 #include "app/controller.hpp"
+#include "app/kept_models.hpp"
 #include "app/log.hpp"
 #include "app/model_hub.hpp"
 #include "app/recorder.hpp"
@@ -41,12 +42,15 @@ class Appliance {
   [[nodiscard]] std::string budget_text() const;
   // Locks the memory; warns where the system does not allow it.
   void lock_memory();
+  // Opens the state folder, where the configuration names one; its store then is where models come from. kLook writes
+  // nothing. Errors: the folder cannot be read or made.
+  enum class State : std::uint8_t { kKeep, kLook };
+  Result<void> open_state(State state);
   // Reads calibration, cell, recipes and templates. The appliance runs without them, but refuses to start a cycle.
   Result<void> load() { return stages_->hub.load(); }
 
-  // Tests camera, trigger box, network, files and limits without running; takes some seconds. `loaded`: what load()
-  // said.
-  service::SelfTestReport self_test_alone(const Result<void>& loaded);
+  // After load(): tests camera, trigger box, network, files and limits without running; takes some seconds.
+  service::SelfTestReport self_test_alone();
   // False where opening the camera has not ended yet: then nothing can be taken down, the process has to end.
   [[nodiscard]] bool can_be_taken_down() const;
 
@@ -72,6 +76,7 @@ class Appliance {
   ArenaBlock block_;
   Arena arena_;
   std::unique_ptr<Stages> stages_;
+  std::unique_ptr<KeptModels> kept_;  // null without a state folder
 };
 
 }  // namespace beltpick::app

@@ -36,8 +36,8 @@ CaptureAndLocate::CaptureAndLocate(Arena& arena, const Settings& settings, const
       withheld_(arena.take<WithheldObject>(
           "withheld objects", static_cast<std::size_t>(settings.limits.segments + settings.limits.parts) + 1)) {}
 
-Result<void> CaptureAndLocate::adopt(const Geometry& geometry, const LoadedRecipe& recipe) {
-  return measure_.configure(recipe.sequence, geometry.calibration);
+Result<void> CaptureAndLocate::adopt(const Geometry& geometry, LoadedRecipe& recipe) {
+  return measure_.adopt(std::move(recipe.fold), geometry.calibration);
 }
 
 ResultCode CaptureAndLocate::device_code() const {

@@ -30,8 +30,9 @@ class CaptureAndLocate : public VisionWork {
 
   CaptureAndLocate(Arena& arena, const Settings& settings, const Neighbours& neighbours);
 
-  // Makes the pipeline ready for a recipe; between cycles only, allocates.
-  Result<void> adopt(const Geometry& geometry, const LoadedRecipe& recipe);
+  // Makes the pipeline ready for a recipe, whose fold plan it takes; while neither capture nor locate runs. Takes a
+  // tenth of a second where the calibration is another one.
+  Result<void> adopt(const Geometry& geometry, LoadedRecipe& recipe);
 
   Result<void> capture(std::uint16_t number, const std::atomic<ResultCode>& cancel) override;
   Result<Located> locate(std::uint16_t number) override;

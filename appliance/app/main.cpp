@@ -94,7 +94,9 @@ int make_one_time_token(const app::Settings& settings) {
 // The table says all that the log would.
 int self_test(const app::Settings& settings, app::Log& log, bool json) {
   app::Appliance appliance(settings, log);
-  const service::SelfTestReport report = appliance.self_test_alone(appliance.load());
+  if (const auto opened = appliance.open_state(app::Appliance::State::kLook); !opened) return fail(opened.error());
+  (void)appliance.load();  // what is wrong is what the self-test tells
+  const service::SelfTestReport report = appliance.self_test_alone();
   std::fputs((json ? service::self_test_json(report) : service::self_test_table(report)).c_str(), stdout);
   std::fflush(stdout);
   const int code = report.worst() == service::Verdict::kFailed ? 1 : 0;
@@ -113,6 +115,8 @@ int serve(const Options& options, app::Log& log) {
   app::Appliance appliance(*settings, log);
   std::fputs(appliance.budget_text().c_str(), options.check ? stdout : stderr);
   if (!options.check) appliance.lock_memory();
+  const auto state = options.check ? app::Appliance::State::kLook : app::Appliance::State::kKeep;
+  if (const auto opened = appliance.open_state(state); !opened) return fail(opened.error());
   const auto loaded = appliance.load();
   log.drain(2);
   if (options.check) {

@@ -4,129 +4,193 @@
 
 #include <algorithm>
 
-#include "contract_io/recipe_io.hpp"
-
 namespace beltpick::app {
 
+namespace {
+
+bool same_items(const std::vector<service::ItemInUse>& a, const std::vector<service::ItemInUse>& b) {
+  // Version 0 is a file, which may have changed.
+  const auto same = [](const service::ItemInUse& x, const service::ItemInUse& y) {
+    return x.id == y.id && x.version == y.version && x.version != 0;
+  };
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(), same);
+}
+
+}  // namespace
+
 ModelHub::ModelHub(Arena& arena, const Settings& settings, Log& log)
-    : settings_(settings), log_(log), store_(arena, settings.limits) {}
+    : settings_(settings),
+      log_(log),
+      files_(settings),
+      source_(&files_),
+      stores_{pipeline::ModelStore(arena, settings.limits), pipeline::ModelStore(arena, settings.limits)} {}
+
+void ModelHub::use(const ModelSource& source, RecipeMemory memory) {
+  source_ = &source;
+  memory_ = std::move(memory);
+  active_ = memory_.number();
+}
 
 Result<void> ModelHub::load() {
-  contract_io::Warnings warnings;
-  const auto outcome = [&]() -> Result<void> {
-    auto geometry = load_geometry(settings_, warnings);
-    if (!geometry) return std::unexpected(geometry.error());
-    geometry_ = std::move(*geometry);
-    if (const auto read = read_recipes(); !read) return read;
-    return load_active();
-  }();
-  for (const std::string& warning : warnings) log_.write(LogLevel::kWarning, "%s", warning.c_str());
-  return settle(outcome);
+  prepare();
+  const Result<void> outcome = *candidate_;
+  change();
+  return outcome;
 }
 
-Result<void> ModelHub::read_recipes() {
-  contract_io::Warnings warnings;
-  std::vector<Recipe> recipes;
-  for (const std::string& path : settings_.recipes) {
-    auto recipe = contract_io::read_recipe(from_settings(settings_, path), warnings);
-    if (!recipe) return std::unexpected(recipe.error());
-    const auto same = [&](const Recipe& other) { return other.number == recipe->number; };
-    if (std::any_of(recipes.begin(), recipes.end(), same)) {
-      return failure(ResultCode::kValueOutOfRange, "%s: number: expected one that no other recipe has, found %u",
-                     path.c_str(), recipe->number);
-    }
-    recipes.push_back(std::move(*recipe));
+// Reads what is wanted and, where that is not what is in use already, builds it in the standby half.
+void ModelHub::prepare() {
+  std::vector<std::string> warnings;
+  auto half = read(warnings);
+  tell(warnings);
+  standby_is_new_ = half && !in_use_already(*half);
+  candidate_ = half ? Result<void>{} : Result<void>(std::unexpected(half.error()));
+  if (standby_is_new_) {
+    candidate_ = stores_[standby()].load(half->recipe.templates, settings_.gripper);
+    halves_[standby()] = std::move(*half);
   }
-  for (const std::string& warning : warnings) log_.write(LogLevel::kWarning, "%s", warning.c_str());
-  {
-    const std::lock_guard lock(recipes_mutex_);
-    recipes_ = std::move(recipes);
-  }
-  if (active_ != 0 && knows_recipe(active_)) return {};
-  const auto wanted = static_cast<std::uint16_t>(settings_.recipe);
-  if (wanted != 0 && !knows_recipe(wanted)) {
-    return failure(ResultCode::kRecipeUnknown, "model.recipe: expected the number of a recipe, found %u", wanted);
-  }
-  active_ = wanted != 0 ? wanted : recipes_.front().number;
-  return {};
-}
-
-Result<void> ModelHub::load_active() {
-  const auto is_active = [&](const Recipe& recipe) { return recipe.number == active_; };
-  const auto recipe = std::find_if(recipes_.begin(), recipes_.end(), is_active);
-  if (recipe == recipes_.end()) return failure(ResultCode::kRecipeUnknown, "recipe %u is not there", active_.load());
-  contract_io::Warnings warnings;
-  auto loaded = load_recipe(*recipe, settings_, geometry_.calibration, warnings);
-  for (const std::string& warning : warnings) log_.write(LogLevel::kWarning, "%s", warning.c_str());
-  if (!loaded) return std::unexpected(loaded.error());
-  if (const auto stored = store_.load(loaded->templates, settings_.gripper); !stored) return stored;
-  loaded_ = std::move(*loaded);
   ::malloc_trim(0);  // what reading took would otherwise stay resident for good
-  capture_time_us_ = loaded_.plan.duration_us;
-  return adopt_ ? adopt_(geometry_, loaded_) : Result<void>{};
 }
 
-Result<void> ModelHub::settle(const Result<void>& outcome) {
-  code_ = outcome ? ResultCode::kOk : outcome.error().code;
-  wrong_camera_ = false;
-  checked_serial_.clear();
+Result<ModelHub::Half> ModelHub::read(std::vector<std::string>& warnings) {
+  const auto listed = list_recipes(*source_, warnings);
+  if (listed) {
+    std::vector<std::uint16_t> numbers;
+    for (const ListedRecipe& each : *listed) numbers.push_back(each.recipe.number);
+    numbers_.set(numbers);
+  }
+  auto geometry = load_geometry(*source_, settings_, warnings);
+  tell_calibration(geometry);
+  if (!geometry) return std::unexpected(geometry.error());
+  if (!listed) return std::unexpected(listed.error());
+  const auto number = choose(*listed);
+  if (!number) return std::unexpected(number.error());
+  const auto chosen = std::find_if(listed->begin(), listed->end(),
+                                   [&](const ListedRecipe& each) { return each.recipe.number == *number; });
+  auto recipe = load_recipe(*chosen, *source_, settings_, geometry->calibration, warnings);
+  if (!recipe) return std::unexpected(recipe.error());
+  return Half{std::move(*geometry), std::move(*recipe)};
+}
+
+// What was selected, now or before the restart; before anything was, what the configuration says, or the first.
+Result<std::uint16_t> ModelHub::choose(const std::vector<ListedRecipe>& listed) const {
+  if (listed.empty()) return failure(ResultCode::kRecipeUnknown, "expected a recipe, found none; upload one");
+  const std::uint16_t selected = active_;
+  const std::uint16_t wanted = selected != 0 ? selected : static_cast<std::uint16_t>(settings_.recipe);
+  if (wanted == 0) return listed.front().recipe.number;
+  const auto is_wanted = [&](const ListedRecipe& each) { return each.recipe.number == wanted; };
+  if (std::any_of(listed.begin(), listed.end(), is_wanted)) return wanted;
+  return failure(ResultCode::kRecipeUnknown, "%s: expected the number of a recipe, found %u; select or upload one",
+                 selected != 0 ? "the selected recipe" : "model.recipe", wanted);
+}
+
+bool ModelHub::in_use_already(const Half& half) const {
+  return whole_ && same_items(half.geometry.items, active().geometry.items) &&
+         same_items(half.recipe.items, active().recipe.items);
+}
+
+// Nothing in use is touched by what was asked for.
+void ModelHub::keep() {
+  candidate_.reset();
+  announce_ = holding_ = false;
+  served_ = prepared_for_;
+}
+
+// Neither capture nor pipeline runs.
+void ModelHub::change() {
+  if (*candidate_ && standby_is_new_) {
+    Half& next = halves_[standby()];
+    if (adopt_) candidate_ = adopt_(next.geometry, next.recipe);
+    half_ = standby();
+    whole_ = candidate_->has_value();
+    halves_[standby()] = {};
+    ::malloc_trim(0);
+  }
+  settle();
+  keep();
+}
+
+void ModelHub::settle() {
+  const Result<void>& outcome = *candidate_;
+  load_code_ = outcome ? ResultCode::kOk : outcome.error().code;
   if (!outcome) {
     log_.code(LogLevel::kFault, "no cycle can be started", outcome.error().code);
     log_.write(LogLevel::kFault, "%s", outcome.error().detail);
   } else {
-    log_.write(LogLevel::kInfo, "recipe %u '%s': %zu frames, %zu templates", active_.load(),
-               loaded_.recipe.name.c_str(), loaded_.sequence.frames.size(), loaded_.templates.size());
+    const LoadedRecipe& in_use = recipe();
+    std::uint16_t none = 0;  // but for the first time it is what was asked for, and perhaps another by now
+    active_.compare_exchange_strong(none, in_use.recipe.number);
+    capture_time_us_ = in_use.plan.duration_us;
+    log_.write(LogLevel::kInfo, "recipe %u '%s': %zu frames, %zu templates", in_use.recipe.number,
+               in_use.recipe.name.c_str(), in_use.sequence.frames.size(), in_use.templates.size());
   }
-  return outcome;
+  if (const auto kept = memory_.remember(active_); !kept) {
+    log_.write(LogLevel::kWarning, "the selected recipe would not survive a restart: %s", kept.error().detail);
+  }
+  tell_in_use(outcome);
 }
 
-void ModelHub::serve(bool workers_idle) {
-  if (!wants_to_load() || !workers_idle) return;
-  if (reload_.exchange(false)) {
-    (void)load();  // what is wrong is in code()
-  } else {
-    (void)settle(load_active());
+void ModelHub::tell_calibration(const Result<Geometry>& geometry) {
+  const std::lock_guard lock(in_use_mutex_);
+  in_use_.calibration_problem = geometry ? Error{} : geometry.error();
+  in_use_.calibration_id = geometry ? geometry->calibration.id : "";
+  in_use_.calibration_camera = geometry ? geometry->calibration.camera_serial : "";
+}
+
+void ModelHub::tell_in_use(const Result<void>& outcome) {
+  const std::lock_guard lock(in_use_mutex_);
+  in_use_.problem = outcome ? Error{} : outcome.error();
+  if (!outcome) return;
+  const LoadedRecipe& loaded = recipe();
+  in_use_.recipe = loaded.recipe.number;
+  in_use_.recipe_name = loaded.recipe.name;
+  in_use_.frames = static_cast<int>(loaded.sequence.frames.size());
+  in_use_.templates = static_cast<int>(loaded.templates.size());
+  in_use_.items = geometry().items;
+  in_use_.items.insert(in_use_.items.end(), loaded.items.begin(), loaded.items.end());
+}
+
+void ModelHub::serve(const std::function<bool()>& workers_idle) {
+  const bool reload = reload_.exchange(false);
+  const std::uint32_t asked = asked_;  // before the recipe that was asked for is looked at
+  if (reload || asked != prepared_for_) {
+    announce_ = announce_ || reload;
+    prepared_for_ = asked;
+    prepare();
+    if (*candidate_ && !standby_is_new_ && load_code_ == ResultCode::kOk) return keep();
+    if (announce_) {
+      holding_ = true;  // before `changed`: no capture may start between the two
+      changed_ = true;
+    }
   }
-  busy_ = false;
+  if (!candidate_ || changed_ || reload_ || asked_ != prepared_for_ || !workers_idle()) return;
+  change();
 }
 
 void ModelHub::check_camera(const std::string& serial) {
-  if (busy_ || serial.empty() || serial == checked_serial_) return;
-  checked_serial_ = serial;
-  const std::string& expected = geometry_.calibration.camera_serial;
-  const bool other = !expected.empty() && expected != serial;
-  if (other) {
-    log_.write(LogLevel::kFault,
-               "%s: camera_serial: expected '%s', the camera that answers is '%s'; calibrate this camera",
-               settings_.calibration.c_str(), expected.c_str(), serial.c_str());
+  if (serial.empty() || !idle()) return;
+  {
+    const std::lock_guard lock(in_use_mutex_);
+    in_use_.camera_serial = serial;
   }
-  if (other && code_ == ResultCode::kOk) {
-    code_ = ResultCode::kCalibrationMismatch;
-    wrong_camera_ = true;
-  } else if (!other && wrong_camera_) {
-    code_ = ResultCode::kOk;
-    wrong_camera_ = false;
-  }
+  const auto good = load_code_ == ResultCode::kOk ? check_serial(geometry().calibration, serial) : Result<void>{};
+  const bool wrong = !good;
+  if (wrong && !wrong_camera_) log_.write(LogLevel::kFault, "%s", good.error().detail);
+  wrong_camera_ = wrong;
 }
 
-void ModelHub::reload() {
-  reload_ = true;
-  busy_ = true;  // before `changed`: no capture may start between the two
-  changed_ = true;
-}
-
-bool ModelHub::knows_recipe(std::uint16_t number) const {
-  const std::lock_guard lock(recipes_mutex_);
-  return std::any_of(recipes_.begin(), recipes_.end(), [&](const Recipe& recipe) { return recipe.number == number; });
+ResultCode ModelHub::code() const {
+  const ResultCode load = load_code_;
+  return load == ResultCode::kOk && wrong_camera_ ? ResultCode::kCalibrationMismatch : load;
 }
 
 void ModelHub::select_recipe(std::uint16_t number) {
   active_ = number;
-  busy_ = true;
+  ++asked_;
 }
 
 OfferFrame ModelHub::offer_frame() const {
-  const Cell& cell = geometry_.cell;
+  const Cell& cell = geometry().cell;
   if (cell.T_robot_camera) return {PoseFrame::kRobot, *cell.T_robot_camera};
   if (!cell.T_belt_camera) return {};
   const auto& belt = *cell.T_belt_camera;
@@ -134,11 +198,20 @@ OfferFrame ModelHub::offer_frame() const {
 }
 
 const Grasp* ModelHub::grasp(int template_index, int grasp_index) const {
-  const auto& templates = loaded_.templates;
+  const auto& templates = recipe().templates;
   if (template_index < 0 || template_index >= static_cast<int>(templates.size())) return nullptr;
   const auto& grasps = templates[static_cast<std::size_t>(template_index)].grasps;
   if (grasp_index < 0 || grasp_index >= static_cast<int>(grasps.size())) return nullptr;
   return &grasps[static_cast<std::size_t>(grasp_index)];
+}
+
+ModelHub::InUse ModelHub::in_use() const {
+  const std::lock_guard lock(in_use_mutex_);
+  return in_use_;
+}
+
+void ModelHub::tell(const std::vector<std::string>& warnings) {
+  for (const std::string& warning : warnings) log_.write(LogLevel::kWarning, "%s", warning.c_str());
 }
 
 }  // namespace beltpick::app

@@ -67,6 +67,13 @@ void RunBook::add_time(Step step, double ms) {
   samples_[at][sample_count_[at]++ % kSamples] = static_cast<float>(ms);
 }
 
+RunBook::Counts RunBook::counts() const {
+  const std::lock_guard lock(mutex_);
+  Counts out{cycles_, captures_, offers_, picked_, 0};
+  for (std::size_t i = 0; i < faults_.used; ++i) out.faults += faults_.entries[i].count;
+  return out;
+}
+
 RunBook::Totals RunBook::totals() const {
   const std::lock_guard lock(mutex_);
   Totals out{cycles_, captures_,     failed_captures_, found_,         offers_,

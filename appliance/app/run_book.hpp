@@ -33,6 +33,11 @@ class RunBook {
   void add_fault(ResultCode code);
   void add_time(Step step, double ms);
 
+  struct Counts {
+    int cycles = 0, captures = 0, offers = 0, picked = 0, faults = 0;
+  };
+  [[nodiscard]] Counts counts() const;
+
   // For a thread that may allocate.
   struct Count {
     ResultCode code{};

@@ -93,26 +93,20 @@ std::optional<double> age_days(const std::filesystem::path& file) {
       .count();
 }
 
-service::CalibrationFound calibration_found(const SelfTestOf& of) {
-  const Calibration& calibration = of.hub.geometry().calibration;
+service::CalibrationFound calibration_found(const SelfTestOf& of, const ModelHub::InUse& in_use) {
   service::CalibrationFound found;
-  found.there = calibration.camera.width > 0;
-  if (!found.there) {
-    const ResultCode code = of.load_problem.code;
-    found.there = code != ResultCode::kNoCalibration && code != ResultCode::kFileNotFound;
-    found.problem = of.load_problem;
-    return found;
-  }
-  found.id = calibration.id;
-  found.camera_serial = calibration.camera_serial;
+  const ResultCode code = in_use.calibration_problem.code;
+  found.there = code != ResultCode::kNoCalibration && code != ResultCode::kFileNotFound;
+  found.problem = in_use.calibration_problem;
+  if (code != ResultCode::kOk) return found;
+  found.id = in_use.calibration_id;
+  found.camera_serial = in_use.calibration_camera;
   if (of.settings.state.empty()) found.age_days = age_days(from_settings(of.settings, of.settings.calibration));
   return found;
 }
 
-service::ModelsFound models_found(const SelfTestOf& of) {
-  const LoadedRecipe& loaded = of.hub.recipe();
-  return {of.load_problem, loaded.recipe.number, loaded.recipe.name, static_cast<int>(loaded.templates.size()),
-          static_cast<int>(loaded.sequence.frames.size())};
+service::ModelsFound models_found(const ModelHub::InUse& in_use) {
+  return {in_use.problem, in_use.recipe, in_use.recipe_name, in_use.templates, in_use.frames};
 }
 
 bool serves(const Settings& settings) { return settings.service_enabled && !settings.state.empty(); }
@@ -154,10 +148,10 @@ service::SelfTestFacts gather_facts(const SelfTestOf& of) {
   facts.service_port = of.service_port;
   facts.state_folder = folder_found(settings, settings.state);
   facts.record_folder = folder_found(settings, settings.record_folder);
-  if (!settings.state.empty()) facts.store = service::find_store(from_settings(settings, settings.state));
-  facts.calibration = calibration_found(of);
+  const ModelHub::InUse in_use = of.hub.in_use();
+  facts.calibration = calibration_found(of, in_use);
   if (facts.store.configured) facts.calibration.age_days = facts.store.calibration_age_days;
-  facts.models = models_found(of);
+  facts.models = models_found(in_use);
   facts.clock = service::find_clock();
   facts.memory = {of.memory_locked, of.memory_bytes};
   facts.realtime_allowed = service::realtime_allowed();

@@ -17,7 +17,6 @@ struct SelfTestOf {
   const capture::Camera& camera;
   const capture::TriggerLink& trigger;
   const ModelHub& hub;
-  Error load_problem;  // kOk where all models could be loaded
   bool memory_locked = false;
   std::int64_t memory_bytes = 0;
   service::PortFound plc_port, service_port;

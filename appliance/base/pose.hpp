@@ -46,6 +46,8 @@ struct Pose {
     return m;
   }
 
+  friend bool operator==(const Pose&, const Pose&) = default;
+
   static Pose from_matrix(const Mat4& m) { return {m.topLeftCorner<3, 3>(), m.topRightCorner<3, 1>()}; }
 };
 

@@ -14,6 +14,8 @@ struct Lens {
   int width = 0, height = 0;
   double fx_px = 0.0, fy_px = 0.0, cx_px = 0.0, cy_px = 0.0;
   std::array<double, 5> distortion{};
+
+  friend bool operator==(const Lens&, const Lens&) = default;
 };
 
 struct Calibration {
@@ -23,6 +25,8 @@ struct Calibration {
   Lens camera;
   Lens projector;
   Pose<frame::Projector, frame::Camera> T_projector_camera;  // X_projector = R X_camera + t
+
+  friend bool operator==(const Calibration&, const Calibration&) = default;
 };
 
 struct Cell {

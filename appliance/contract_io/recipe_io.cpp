@@ -47,12 +47,13 @@ std::string item_name(const std::string& of) {
 }
 
 // The recipe as it stands in the text: names and paths are not looked at yet.
-Result<Recipe> parse_members(std::string_view text, const std::string& name, Warnings& warnings) {
-  JsonDocument document(text, name, warnings);
+Result<Recipe> parse_members(std::string_view text, const std::string& source, const std::string& name,
+                             Warnings& warnings) {
+  JsonDocument document(text, source, warnings);
   JsonObject root = document.root({kFormat}, kVersion);
   Recipe recipe;
   recipe.number = static_cast<std::uint16_t>(root.integer("number", {1, 65535}));
-  recipe.name = root.text("name", std::filesystem::path(name).stem().string());
+  recipe.name = root.text("name", name);
   if (root.is_object("sequence")) {
     recipe.own_sequence = read_own_sequence(document, root.object("sequence"));
   } else {
@@ -77,21 +78,22 @@ Result<Recipe> parse_members(std::string_view text, const std::string& name, War
 
 Result<Recipe> parse_recipe(std::string_view text, const std::string& name, const std::filesystem::path& folder,
                             Warnings& warnings) {
-  auto recipe = parse_members(text, name, warnings);
+  auto recipe = parse_members(text, name, std::filesystem::path(name).stem().string(), warnings);
   if (!recipe) return recipe;
   if (!find_sequence_name(recipe->sequence)) recipe->sequence = from_folder(folder, recipe->sequence);
   for (std::string& path : recipe->templates) path = from_folder(folder, path);
   return recipe;
 }
 
-Result<Recipe> parse_stored_recipe(std::string_view text, const std::string& name, Warnings& warnings) {
-  auto recipe = parse_members(text, name, warnings);
+Result<Recipe> parse_stored_recipe(std::string_view text, const std::string& source, const std::string& name,
+                                   Warnings& warnings) {
+  auto recipe = parse_members(text, source, name, warnings);
   if (!recipe) return recipe;
   if (!find_sequence_name(recipe->sequence)) {
     return failure(ResultCode::kValueOutOfRange,
                    "%s: sequence: expected fast, standard, robust or the content of a sequence.json, found '%s'; "
                    "`beltpick upload recipe` puts the file's content in its place",
-                   name.c_str(), one_line(recipe->sequence).c_str());
+                   source.c_str(), one_line(recipe->sequence).c_str());
   }
   for (std::string& part : recipe->templates) {
     part = item_name(part);
@@ -99,7 +101,7 @@ Result<Recipe> parse_stored_recipe(std::string_view text, const std::string& nam
     return failure(ResultCode::kValueOutOfRange,
                    "%s: templates: expected names of the appliance's templates, found '%s'; `beltpick upload recipe` "
                    "puts names in the place of paths",
-                   name.c_str(), one_line(part).c_str());
+                   source.c_str(), one_line(part).c_str());
   }
   return recipe;
 }

@@ -21,9 +21,10 @@ Result<Recipe> read_recipe(const std::filesystem::path& path, Warnings& warnings
 Result<void> write_recipe(const std::filesystem::path& path, const Recipe& recipe);
 std::string recipe_text(const Recipe& recipe);
 
-// A recipe of the appliance's store, which stands by itself: `templates` become plain item names. Errors: as above;
-// kValueOutOfRange where it names a path.
-Result<Recipe> parse_stored_recipe(std::string_view text, const std::string& name, Warnings& warnings);
+// A recipe of the appliance's store, which stands by itself: `templates` become plain item names. `source` stands in
+// messages, `name` is that of a recipe that tells none. Errors: as above; kValueOutOfRange where it names a path.
+Result<Recipe> parse_stored_recipe(std::string_view text, const std::string& source, const std::string& name,
+                                   Warnings& warnings);
 
 // What an appliance keeps of the recipe file `path`: text that stands by itself, and the templates that it needs.
 struct PortableRecipe {

@@ -84,7 +84,8 @@ void Cycle::timer_events(const CycleInputs& in) {
   const std::int64_t in_state_us = now_us_ - entered_us_;
   switch (status_.state) {
     case CellState::kSettling:
-      if (belt_.settled() && in.workers_idle) apply(CycleEvent::kSettled, ResultCode::kOk);
+      if (!belt_.settled() || !in.workers_idle) break;
+      apply(in.model_code == ResultCode::kOk ? CycleEvent::kSettled : CycleEvent::kModelUnusable, in.model_code);
       break;
     case CellState::kCapturing:
       if (in_state_us > config_.capture_timeout_us + in.capture_time_us) {

@@ -20,7 +20,7 @@ enum class CycleEvent : std::uint8_t {
   kBeltNotHeld,      // one of them does
   kSignalsDisagree,  // ... for longer than they may
   kRobotInView,      // "robot clear" is low
-  kModelChanged,     // recipe, template or calibration was swapped from outside
+  kModelChanged,     // recipe, template or calibration are to be others: what was seen with these is void
   kCaptureDone,      // all frames are folded
   kCaptureFailed,
   kCaptureTimeout,
@@ -28,8 +28,9 @@ enum class CycleEvent : std::uint8_t {
   kNothingPickable,
   kLocateFailed,
   kProcessingTimeout,
-  kOfferExpired,  // older than max_age_ms
-  kSettled,       // belt held and robot clear for settle_ms
+  kOfferExpired,   // older than max_age_ms
+  kSettled,        // belt held and robot clear for settle_ms
+  kModelUnusable,  // settled, but recipe, template or calibration have become such that nothing can be captured
   // Commands of the PLC whose arguments were found good; a pick or a skip becomes what is to follow it.
   kStart,
   kOfferNext,     // the next part of this view did not touch what was picked
@@ -41,7 +42,7 @@ enum class CycleEvent : std::uint8_t {
   kClearFault,
   kSelectRecipe,
 };
-inline constexpr std::size_t kCycleEvents = 27;
+inline constexpr std::size_t kCycleEvents = 28;
 inline constexpr std::size_t kCellStates = 8;
 
 // What goes with a transition, done in this order. The code that some need is the event's.
@@ -96,8 +97,9 @@ inline constexpr Transition recap_ = go(kSet, kEffectRetireOffer);
 inline constexpr Transition done_r = go(kRel, kEffectRetireOffer);
 inline constexpr Transition ready_ = go(kIdl, kEffectNote);
 inline constexpr Transition swap_i = go(kIdl, kEffectNote);
-inline constexpr Transition swap_a = go(kIdl, kEffectAbortCapture | kEffectNote);
-inline constexpr Transition swap_o = go(kIdl, kEffectRevokeOffer | kEffectNote);
+inline constexpr Transition swap_s = go(kSet, kEffectNote);
+inline constexpr Transition swap_c = go(kSet, kEffectAbortCapture | kEffectNote);
+inline constexpr Transition unfit_ = go(kIdl, kEffectNote);
 inline constexpr Transition swap_r = go(kRel, kEffectNote);
 inline constexpr Transition pick_i = go(kIdl, kEffectSwitchRecipe);
 inline constexpr Transition pick_o = go(kIdl, kEffectRevokeOffer | kEffectNote | kEffectSwitchRecipe);
@@ -129,7 +131,7 @@ inline constexpr std::array<table::Row, kCycleEvents> kTransitions = [] {
   /* kBeltNotHeld        */ {unmoved,  unmoved,  unmoved,  abort_,   fault_,   revoke,   unmoved,  unmoved},
   /* kSignalsDisagree    */ {unmoved,  unmoved,  fault_,   unmoved,  unmoved,  unmoved,  unmoved,  unmoved},
   /* kRobotInView        */ {unmoved,  unmoved,  unmoved,  abort_,   unmoved,  unmoved,  unmoved,  unmoved},
-  /* kModelChanged       */ {unmoved,  swap_i,   swap_i,   swap_a,   swap_i,   swap_o,   swap_r,   unmoved},
+  /* kModelChanged       */ {unmoved,  swap_i,   swap_s,   swap_c,   swap_s,   again_,   swap_r,   unmoved},
   /* kCaptureDone        */ {unmoved,  unmoved,  unmoved,  process,  unmoved,  unmoved,  unmoved,  unmoved},
   /* kCaptureFailed      */ {unmoved,  unmoved,  unmoved,  fault_,   unmoved,  unmoved,  unmoved,  unmoved},
   /* kCaptureTimeout     */ {unmoved,  unmoved,  unmoved,  abort_,   unmoved,  unmoved,  unmoved,  unmoved},
@@ -139,6 +141,7 @@ inline constexpr std::array<table::Row, kCycleEvents> kTransitions = [] {
   /* kProcessingTimeout  */ {unmoved,  unmoved,  unmoved,  unmoved,  fault_,   unmoved,  unmoved,  unmoved},
   /* kOfferExpired       */ {unmoved,  unmoved,  unmoved,  unmoved,  unmoved,  again_,   unmoved,  unmoved},
   /* kSettled            */ {unmoved,  unmoved,  capture,  unmoved,  unmoved,  unmoved,  unmoved,  unmoved},
+  /* kModelUnusable      */ {unmoved,  unmoved,  unfit_,   unmoved,  unmoved,  unmoved,  unmoved,  unmoved},
   /* kStart              */ {refused,  begin_,   refused,  refused,  refused,  refused,  begin_,   refused},
   /* kOfferNext          */ {refused,  refused,  refused,  refused,  refused,  next_o,   refused,  refused},
   /* kCaptureAgain       */ {refused,  refused,  refused,  refused,  refused,  recap_,   refused,  refused},

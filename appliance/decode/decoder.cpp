@@ -52,21 +52,30 @@ Decoder::Decoder(Arena& arena, const DecoderLimits& limits) : limits_(limits) {
   state_ = arena.take<PixelState>("code image", pixels);
 }
 
-Result<void> Decoder::begin(const FoldPlan& plan, int rows, int cols, int pixel_bytes, int full_scale) {
-  if (cols > limits_.cols || rows > limits_.rows) {
-    return failure(ResultCode::kLimitExceeded, "images of %dx%d exceed the declared %dx%d", cols, rows, limits_.cols,
-                   limits_.rows);
+Result<void> check_fit(const FoldPlan& plan, const DecoderLimits& limits, int rows, int cols, int pixel_bytes) {
+  if (cols > limits.cols || rows > limits.rows) {
+    return failure(ResultCode::kLimitExceeded, "images of %dx%d exceed the declared %dx%d", cols, rows, limits.cols,
+                   limits.rows);
   }
-  if (plan.state_bytes(pixel_bytes) > limits_.state_bytes || !context_.store.place(plan, rows, cols, pixel_bytes)) {
+  if (plan.state_bytes(pixel_bytes) > limits.state_bytes || plan.planes.size() > PlaneStore::kMaxPlanes) {
     return failure(ResultCode::kLimitExceeded, "the sequence needs %d bytes a pixel to decode; declared are %d",
-                   plan.state_bytes(pixel_bytes), limits_.state_bytes);
+                   plan.state_bytes(pixel_bytes), limits.state_bytes);
   }
-  if (static_cast<int>(plan.frames.size()) > check_.max_frames()) {
+  if (static_cast<int>(plan.frames.size()) > limits.frames) {
     return failure(ResultCode::kLimitExceeded, "the sequence has %zu frames; declared are %d", plan.frames.size(),
-                   check_.max_frames());
+                   limits.frames);
   }
-  if ((plan.codes(Axis::kColumn) && !limits_.codes_columns) || (plan.codes(Axis::kRow) && !limits_.codes_rows)) {
+  if ((plan.codes(Axis::kColumn) && !limits.codes_columns) || (plan.codes(Axis::kRow) && !limits.codes_rows)) {
     return failure(ResultCode::kLimitExceeded, "the sequence codes an axis that the declared limits leave out");
+  }
+  return {};
+}
+
+Result<void> Decoder::begin(const FoldPlan& plan, int rows, int cols, int pixel_bytes, int full_scale) {
+  if (const auto fits = check_fit(plan, limits_, rows, cols, pixel_bytes); !fits) return fits;
+  if (!context_.store.place(plan, rows, cols, pixel_bytes)) {
+    return failure(ResultCode::kLimitExceeded, "the sequence's planes do not fit the declared %d bytes a pixel",
+                   limits_.state_bytes);
   }
   context_.plan = &plan;
   context_.cols = cols;

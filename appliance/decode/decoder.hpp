@@ -28,6 +28,9 @@ struct DecoderLimits {
 // The limits that just hold `plan` for a camera of this size.
 DecoderLimits limits_for(const FoldPlan& plan, int rows, int cols, int pixel_bytes);
 
+// Whether a decoder of these limits has room for `plan` and images of rows x cols pixels. Error: kLimitExceeded.
+Result<void> check_fit(const FoldPlan& plan, const DecoderLimits& limits, int rows, int cols, int pixel_bytes);
+
 class Decoder {
  public:
   Decoder(Arena& arena, const DecoderLimits& limits);

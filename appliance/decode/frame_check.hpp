@@ -60,7 +60,6 @@ class FrameCheck {
   FrameCheck(Arena& arena, int rows, int cols, int frames);
 
   void begin(int rows, int cols) { probes_.begin(rows, cols); }
-  [[nodiscard]] int max_frames() const { return probes_.frames(); }
 
   template <class Pixel>
   void sample(int index, ImageView<const Pixel> image) {

@@ -19,8 +19,9 @@ decode::DecoderLimits decoder_limits(const Limits& limits) {
 Measure::Measure(Arena& arena, const decode::DecoderLimits& limits)
     : decoder_(arena, limits), triangulator_(arena, limits.rows, limits.cols) {}
 
-Result<void> Measure::configure(const Sequence& sequence, const Calibration& calibration) {
-  plan_.reset();
+namespace {
+
+Result<decode::FoldPlan> plan_for(const Sequence& sequence, const Calibration& calibration) {
   const Lens& projector = calibration.projector;
   if (sequence.projector.width != projector.width || sequence.projector.height != projector.height) {
     return failure(ResultCode::kCalibrationMismatch,
@@ -28,12 +29,38 @@ Result<void> Measure::configure(const Sequence& sequence, const Calibration& cal
                    "projector",
                    projector.width, projector.height, sequence.projector.width, sequence.projector.height);
   }
-  auto plan = decode::make_fold_plan(sequence);
-  if (!plan) return std::unexpected(plan.error());
-  if (auto loaded = triangulator_.load(calibration); !loaded) return loaded;
+  return decode::make_fold_plan(sequence);
+}
+
+}  // namespace
+
+Result<decode::FoldPlan> plan_measuring(const Sequence& sequence, const Calibration& calibration,
+                                        const decode::DecoderLimits& limits, int pixel_bytes) {
+  auto plan = plan_for(sequence, calibration);
+  if (!plan) return plan;
+  const Lens& camera = calibration.camera;
+  if (auto fits = decode::check_fit(*plan, limits, camera.height, camera.width, pixel_bytes); !fits) {
+    return std::unexpected(fits.error());
+  }
+  return plan;
+}
+
+Result<void> Measure::configure(const Sequence& sequence, const Calibration& calibration) {
+  plan_.reset();
+  auto plan = plan_for(sequence, calibration);
+  return plan ? adopt(std::move(*plan), calibration) : std::unexpected(plan.error());
+}
+
+Result<void> Measure::adopt(decode::FoldPlan plan, const Calibration& calibration) {
+  plan_.reset();
+  if (!(calibration == loaded_)) {
+    loaded_ = {};
+    if (auto loaded = triangulator_.load(calibration); !loaded) return loaded;
+    loaded_ = calibration;
+  }
   rows_ = calibration.camera.height;
   cols_ = calibration.camera.width;
-  plan_ = std::move(*plan);
+  plan_ = std::move(plan);
   return {};
 }
 

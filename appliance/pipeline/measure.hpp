@@ -25,14 +25,23 @@ struct MeasureTiming {
 // The decoder's room under the declared limits.
 decode::DecoderLimits decoder_limits(const Limits& limits);
 
+// How a capture of `sequence` will be measured with `calibration`, worked out before it is needed. Errors:
+// kSequenceUndecodable; kCalibrationMismatch where the projectors differ in size; kLimitExceeded where camera or
+// sequence do not fit the limits.
+Result<decode::FoldPlan> plan_measuring(const Sequence& sequence, const Calibration& calibration,
+                                        const decode::DecoderLimits& limits, int pixel_bytes = 1);
+
 class Measure {
  public:
   Measure(Arena& arena, const decode::DecoderLimits& limits);
   Measure(Arena& arena, const Limits& limits) : Measure(arena, decoder_limits(limits)) {}
 
-  // What will be captured, and with which calibration. Between captures only: allocates, and takes a tenth of a second.
-  // Errors: kSequenceUndecodable; kCalibrationMismatch where the projectors differ in size; kLimitExceeded.
+  // What will be captured, and with which calibration. Between captures only: allocates, and takes a tenth of a second
+  // where the calibration is another one. Errors: kSequenceUndecodable; kCalibrationMismatch where the projectors
+  // differ in size; kLimitExceeded.
   Result<void> configure(const Sequence& sequence, const Calibration& calibration);
+  // The same with what plan_measuring() made of both. Error: kLimitExceeded.
+  Result<void> adopt(decode::FoldPlan plan, const Calibration& calibration);
 
   // From here on nothing is allocated. Starts a capture of images of the calibration's size with pixels of 1 or 2
   // bytes. Errors: kNoCalibration before configure(); kLimitExceeded where the sequence does not fit the limits.
@@ -57,6 +66,7 @@ class Measure {
   decode::Decoder decoder_;
   range::Triangulator triangulator_;
   std::optional<decode::FoldPlan> plan_;
+  Calibration loaded_;  // whose rays the triangulator has
   int rows_ = 0, cols_ = 0;
   CodeImage code_;
   MeasureTiming timing_;

@@ -45,9 +45,9 @@ ModelStore::ModelStore(Arena& arena, const Limits& limits) : limits_(limits) {
   }
 }
 
-Result<void> ModelStore::check(const PartTemplate& part) const {
+Result<void> check_template(const PartTemplate& part, const Limits& limits) {
   const std::size_t most_points =
-      static_cast<std::size_t>(std::min(limits_.template_points, ClosestPointGrid::kMaxPoints));
+      static_cast<std::size_t>(std::min(limits.template_points, ClosestPointGrid::kMaxPoints));
   const auto too_many = [&](const char* what, std::size_t found, std::size_t expected) {
     return failure(ResultCode::kTemplateTooLarge,
                    "template '%s': expected at most %zu %s, found %zu; teach it with fewer", part.name.c_str(),
@@ -64,16 +64,21 @@ Result<void> ModelStore::check(const PartTemplate& part) const {
   return {};
 }
 
-Result<void> ModelStore::load(std::span<const PartTemplate> templates, const GripperShape& gripper) {
+Result<void> check_templates(std::span<const PartTemplate> templates, const Limits& limits) {
   if (templates.empty())
     return failure(ResultCode::kNoTemplate, "no template given, expected at least one; teach a part");
-  if (templates.size() > slots_.size()) {
-    return failure(ResultCode::kLimitExceeded, "expected at most %zu templates, found %zu; raise limits.templates",
-                   slots_.size(), templates.size());
+  if (templates.size() > static_cast<std::size_t>(limits.templates)) {
+    return failure(ResultCode::kLimitExceeded, "expected at most %d templates, found %zu; raise limits.templates",
+                   limits.templates, templates.size());
   }
   for (const PartTemplate& part : templates) {
-    if (auto ok = check(part); !ok) return ok;
+    if (auto ok = check_template(part, limits); !ok) return ok;
   }
+  return {};
+}
+
+Result<void> ModelStore::load(std::span<const PartTemplate> templates, const GripperShape& gripper) {
+  if (auto fits = check_templates(templates, limits_); !fits) return fits;
   count_ = templates.size();
   for (std::size_t i = 0; i < count_; ++i) fill(templates[i], gripper, slots_[i], models_[i]);
   return {};

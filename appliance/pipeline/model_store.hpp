@@ -12,14 +12,20 @@
 
 namespace beltpick::pipeline {
 
+// Whether `part` fits the limits. Errors: kTemplateTooLarge (points, symmetries or grasps), kNoTemplate (no points).
+Result<void> check_template(const PartTemplate& part, const Limits& limits);
+
+// Whether a ModelStore of these limits can hold them all. Errors: as above; kLimitExceeded (number of templates),
+// kNoTemplate (none given).
+Result<void> check_templates(std::span<const PartTemplate> templates, const Limits& limits);
+
 class ModelStore {
  public:
   // Takes the memory of limits.templates slots of limits.template_points points and limits.grid_cells cells each.
   ModelStore(Arena& arena, const Limits& limits);
 
-  // Replaces what is loaded. Takes about 0.2 s a template; not while a locate is running. All or nothing. Errors:
-  // kLimitExceeded (number of templates), kTemplateTooLarge (points, primitives, symmetries or grasps), kNoTemplate
-  // (none given, or one without points).
+  // Replaces what is loaded. Takes about 0.2 s a template; not while a locate is running. All or nothing. Errors: those
+  // of check_templates().
   Result<void> load(std::span<const PartTemplate> templates, const GripperShape& gripper = {});
 
   [[nodiscard]] std::span<const PartModel> models() const { return models_.first(count_); }
@@ -30,7 +36,6 @@ class ModelStore {
     std::span<std::uint16_t> scattered;
     std::span<std::uint16_t> grid;
   };
-  Result<void> check(const PartTemplate& part) const;
   void fill(const PartTemplate& part, const GripperShape& gripper, Slot& slot, PartModel& model) const;
 
   Limits limits_;

@@ -46,7 +46,7 @@ class CellSide {
   // checksum, plausibility, limits, the calibration's camera and projector, what refers to it. What a person should
   // know but does not hinder is added to `warnings`. An error is told to the one who uploads.
   virtual Result<void> judge(const ItemId& id, std::string_view bytes, std::vector<std::string>& warnings) = 0;
-  // Whether the cell can do without a template or recipe. Error: kUsage naming what needs it.
+  // Whether the cell can do without a template or recipe. Error: kItemInUse naming what needs it.
   virtual Result<void> judge_removal(const ItemId& id) = 0;
   // The store holds something new: it is prepared in the standby half of the model memory and swapped in between
   // cycles; offers are revoked.

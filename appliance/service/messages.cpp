@@ -28,6 +28,7 @@ unsigned http_status(ResultCode code) {
     case ResultCode::kMethodNotAllowed:
       return 405;
     case ResultCode::kUsage:
+    case ResultCode::kItemInUse:
       return 409;
     case ResultCode::kLengthRequired:
       return 411;

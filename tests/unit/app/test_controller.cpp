@@ -177,7 +177,7 @@ TEST_CASE("a recipe is selected by number; a model swapped from outside takes th
   bench.to_offer();
   bench.models.changed = true;
   bench.step();
-  CHECK(bench.state() == CellState::kIdle);
+  CHECK(bench.state() == CellState::kSettling);
   CHECK(bench.inputs[6] == static_cast<std::uint16_t>(ResultCode::kModelChanged));
   CHECK(bench.inputs[20] == 0);
 }

@@ -9,6 +9,9 @@ using namespace beltpick::app;
 
 namespace {
 
+bool idle() { return true; }
+bool busy() { return false; }
+
 // A hub over memory of its own.
 struct Hub {
   Log log;
@@ -33,7 +36,7 @@ TEST_CASE("the first recipe is active at start, another one when the PLC selects
   Hub with(cell.settings);
   ModelHub& hub = with.hub;
   int adopted = 0;
-  hub.on_load([&](const Geometry&, const LoadedRecipe&) {
+  hub.on_load([&](const Geometry&, LoadedRecipe&) {
     ++adopted;
     return Result<void>{};
   });
@@ -53,9 +56,9 @@ TEST_CASE("the first recipe is active at start, another one when the PLC selects
 
   hub.select_recipe(2);
   CHECK_FALSE(hub.idle());
-  hub.serve(false);  // while the pipeline works nothing is touched
+  hub.serve(busy);  // while the pipeline works nothing is touched
   CHECK(hub.recipe().templates.front().name == "one");
-  hub.serve(true);
+  hub.serve(idle);
   CHECK(hub.idle());
   CHECK(hub.recipe().templates.front().name == "two");
   CHECK(adopted == 2);
@@ -67,10 +70,10 @@ TEST_CASE("a template larger than the limits blocks its recipe only", "[models]"
   Hub with(cell.settings);
   REQUIRE(with.hub.load());
   with.hub.select_recipe(2);
-  with.hub.serve(true);
+  with.hub.serve(idle);
   CHECK(with.hub.code() == ResultCode::kTemplateTooLarge);
   with.hub.select_recipe(1);
-  with.hub.serve(true);
+  with.hub.serve(idle);
   CHECK(with.hub.code() == ResultCode::kOk);
 }
 
@@ -80,10 +83,12 @@ TEST_CASE("files read anew take effect once the cycle has let go of the old ones
   REQUIRE(with.hub.load());
   cell.write_recipe("first.json", 1, "two.template");
   with.hub.reload();
-  with.hub.serve(true);
+  CHECK_FALSE(with.hub.take_changed());  // nothing is held up while the new files are read
+  with.hub.serve(idle);
   CHECK(with.hub.recipe().templates.front().name == "one");  // the cycle has not been told yet
+  CHECK_FALSE(with.hub.idle());
   CHECK(with.hub.take_changed());
-  with.hub.serve(true);
+  with.hub.serve(idle);
   CHECK(with.hub.recipe().templates.front().name == "two");
   CHECK(with.hub.idle());
 }

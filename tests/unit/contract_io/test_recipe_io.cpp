@@ -127,7 +127,7 @@ TEST_CASE("a recipe that the appliance keeps names its templates and no files", 
     return parse_stored_recipe(R"({"format": "beltpick-recipe", "version": 1, "number": 7, "exposure_us": 8000,
       "sequence": ")" + sequence + R"(", "templates": [")" +
                                    part + "\"]}",
-                               "recipe seven", warnings);
+                               "recipe seven", "seven", warnings);
   };
   CHECK(stored("fast", "knuckle.template")->templates == std::vector<std::string>{"knuckle"});
   CHECK(stored("fast", "knuckle")->templates == std::vector<std::string>{"knuckle"});
@@ -152,7 +152,7 @@ TEST_CASE("a recipe file becomes portable with its sequence inside and its templ
   REQUIRE(portable->templates.size() == 2);
   CHECK(portable->templates[0].name == "knuckle");
   CHECK(portable->templates[0].path == folder / "parts/knuckle.template");
-  const auto stored = parse_stored_recipe(portable->text, "r", warnings);
+  const auto stored = parse_stored_recipe(portable->text, "recipe", "other", warnings);
   REQUIRE(stored);
   CHECK(stored->name == "r");
   CHECK(stored->templates == std::vector<std::string>{"knuckle", "hub"});

@@ -199,17 +199,34 @@ TEST_CASE("an offer that nobody takes expires, is revoked and the view is captur
   CHECK(cell.command(PlcCommand::kPickDone, sequence) == ResultCode::kCommandNotAllowed);
 }
 
-TEST_CASE("a model swapped from outside voids the cycle in any state", "[faults]") {
+TEST_CASE("a model swapped from outside voids what was seen; the cycle goes on with a new look", "[faults]") {
   for (const auto state : {CellState::kSettling, CellState::kCapturing, CellState::kProcessing, CellState::kOffering}) {
     CellDriver cell;
     cell.bring_to(state);
     cell.in.model_changed = true;
     cell.step();
-    CHECK(cell.state() == CellState::kIdle);
+    CHECK(cell.state() == CellState::kSettling);
     CHECK(cell.status().last_code == ResultCode::kModelChanged);
     CHECK((cell.find(ActionKind::kAbortCapture) != nullptr) == (state == CellState::kCapturing));
     CHECK((cell.find(ActionKind::kRevokeOffer) != nullptr) == (state == CellState::kOffering));
   }
+}
+
+TEST_CASE("with models that cannot be used any more nothing is captured; the cell waits for a start", "[faults]") {
+  CellDriver cell;
+  cell.bring_to(CellState::kOffering);
+  cell.in.model_changed = true;
+  cell.in.workers_idle = false;  // the halves of the model memory change places
+  cell.step();
+  cell.step(5'000'000);
+  CHECK(cell.state() == CellState::kSettling);
+  cell.in.workers_idle = true;
+  cell.in.model_code = ResultCode::kCalibrationMismatch;
+  cell.step();
+  CHECK(cell.state() == CellState::kIdle);
+  CHECK(cell.status().last_code == ResultCode::kCalibrationMismatch);
+  CHECK(cell.find(ActionKind::kStartCapture) == nullptr);
+  CHECK(cell.command(PlcCommand::kStartCycle) == ResultCode::kCalibrationMismatch);
 }
 
 TEST_CASE("the report of an aborted capture does not count for the next one", "[faults]") {

@@ -34,7 +34,7 @@ TEST_CASE("every state answers every event; commands are done or refused, never 
       CHECK(to.kind != Transition::Kind::kRefuse);
     }
   });
-  CHECK(visited == 8 * 27);
+  CHECK(visited == 8 * 28);
 }
 
 TEST_CASE("leaving 'offering', and the next offer, always ends the offer; only 'offering' has one", "[table]") {
