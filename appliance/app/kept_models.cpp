@@ -13,7 +13,7 @@ Result<std::unique_ptr<KeptModels>> KeptModels::open(const Settings& settings, s
   const std::filesystem::path folder = from_settings(settings, settings.state);
   auto store = service::Store::open(folder, warnings);
   if (!store) return std::unexpected(store.error());
-  for (const auto& [id, bytes] : items_to_import(settings, &*store, warnings)) {
+  for (const auto& [id, bytes] : items_to_import(settings, *store, warnings)) {
     if (const auto put = store->put(id, bytes, "start", "import"); !put) return std::unexpected(put.error());
   }
   RecipeMemory memory(folder, warnings);
@@ -22,15 +22,10 @@ Result<std::unique_ptr<KeptModels>> KeptModels::open(const Settings& settings, s
 
 Result<std::unique_ptr<KeptModels>> KeptModels::look(const Settings& settings, std::vector<std::string>& warnings) {
   const std::filesystem::path folder = from_settings(settings, settings.state);
-  std::optional<service::Store> store;
-  std::error_code error;
-  if (std::filesystem::exists(folder, error)) {
-    auto opened = service::Store::open(folder, warnings);
-    if (!opened) return std::unexpected(opened.error());
-    store = std::move(*opened);
-  }
-  const auto imports = items_to_import(settings, store ? &*store : nullptr, warnings);
-  auto kept = std::unique_ptr<KeptModels>(new KeptModels(std::move(store), RecipeMemory(folder, warnings)));
+  auto store = service::Store::look(folder, warnings);
+  if (!store) return std::unexpected(store.error());
+  const auto imports = items_to_import(settings, *store, warnings);
+  auto kept = std::unique_ptr<KeptModels>(new KeptModels(std::move(*store), RecipeMemory(folder, warnings)));
   for (const auto& [id, bytes] : imports) kept->imported_.lay(id, bytes);
   return kept;
 }

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <memory>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -19,21 +18,21 @@ class KeptModels {
  public:
   // Opens or makes the folder. Errors: those of Store::open and Store::put.
   static Result<std::unique_ptr<KeptModels>> open(const Settings& settings, std::vector<std::string>& warnings);
-  // The same as open() would find it, with nothing written; a folder that is not there is an empty one.
+  // What open() would find, with nothing written.
   static Result<std::unique_ptr<KeptModels>> look(const Settings& settings, std::vector<std::string>& warnings);
 
   KeptModels(const KeptModels&) = delete;
   KeptModels& operator=(const KeptModels&) = delete;
 
-  // Only after open().
-  [[nodiscard]] service::Store& store() { return *store_; }
+  // put() and remove() only after open().
+  [[nodiscard]] service::Store& store() { return store_; }
   [[nodiscard]] const ModelSource& source() const { return imported_; }
   [[nodiscard]] const RecipeMemory& memory() const { return memory_; }
 
  private:
-  KeptModels(std::optional<service::Store> store, RecipeMemory memory);
+  KeptModels(service::Store store, RecipeMemory memory);
 
-  std::optional<service::Store> store_;
+  service::Store store_;
   RecipeMemory memory_;
   StoreSource stored_;
   OverlaidSource imported_;  // what look() may not write

@@ -15,7 +15,7 @@ using service::ItemId;
 
 class Import {
  public:
-  Import(const service::Store* store, std::vector<std::string>& warnings) : store_(store), warnings_(warnings) {}
+  Import(const service::Store& store, std::vector<std::string>& warnings) : store_(store), warnings_(warnings) {}
 
   void file(const ItemId& id, const fs::path& path) {
     std::error_code error;
@@ -46,18 +46,18 @@ class Import {
   // What was removed stays so.
   [[nodiscard]] bool wanted(const ItemId& id) const {
     const auto same = [&](const auto& item) { return item.first == id; };
-    return std::none_of(items_.begin(), items_.end(), same) && (store_ == nullptr || store_->versions(id).empty());
+    return std::none_of(items_.begin(), items_.end(), same) && store_.versions(id).empty();
   }
   void leave_out(const Error& error) { warnings_.push_back(std::string("not imported: ") + error.detail); }
 
-  const service::Store* store_;
+  const service::Store& store_;
   std::vector<std::string>& warnings_;
   ImportedItems items_;
 };
 
 }  // namespace
 
-ImportedItems items_to_import(const Settings& settings, const service::Store* store,
+ImportedItems items_to_import(const Settings& settings, const service::Store& store,
                               std::vector<std::string>& warnings) {
   Import import(store, warnings);
   import.file(item_id(ItemKind::kCalibration), from_settings(settings, settings.calibration));

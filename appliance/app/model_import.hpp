@@ -14,8 +14,8 @@ namespace beltpick::app {
 using ImportedItems = std::vector<std::pair<service::ItemId, std::string>>;
 
 // What of `[model]` the store lacks, by name of the file. A file that is not there is left out; one that cannot be read
-// is left out with a warning. `store` null: an empty one.
-ImportedItems items_to_import(const Settings& settings, const service::Store* store,
+// is left out with a warning.
+ImportedItems items_to_import(const Settings& settings, const service::Store& store,
                               std::vector<std::string>& warnings);
 
 }  // namespace beltpick::app

@@ -62,8 +62,8 @@ Result<Recipe> FileSource::parse(const ModelDocument& recipe, std::vector<std::s
 }
 
 Result<ModelDocument> StoreSource::get(const ItemId& id) const {
-  if (store_ == nullptr || !store_->current(id)) return missing(id);
-  auto version = store_->get(id);
+  if (!store_.current(id)) return missing(id);
+  auto version = store_.get(id);
   if (!version) return std::unexpected(version.error());
   const std::uint32_t number = version->info.version;
   return ModelDocument{std::move(version->bytes), item_text(id) + " version " + std::to_string(number), id.name,
@@ -72,8 +72,7 @@ Result<ModelDocument> StoreSource::get(const ItemId& id) const {
 
 std::vector<std::string> StoreSource::recipes() const {
   std::vector<std::string> names;
-  if (store_ == nullptr) return names;
-  for (const ItemId& id : store_->list()) {
+  for (const ItemId& id : store_.list()) {
     if (id.kind == ItemKind::kRecipe) names.push_back(id.name);
   }
   return names;

@@ -51,15 +51,14 @@ class FileSource : public ModelSource {
 
 class StoreSource : public ModelSource {
  public:
-  // Null: a store with nothing in it.
-  explicit StoreSource(const service::Store* store) : store_(store) {}
+  explicit StoreSource(const service::Store& store) : store_(store) {}
 
   [[nodiscard]] Result<ModelDocument> get(const service::ItemId& id) const override;
   [[nodiscard]] std::vector<std::string> recipes() const override;
   Result<Recipe> parse(const ModelDocument& recipe, std::vector<std::string>& warnings) const override;
 
  private:
-  const service::Store* store_;
+  const service::Store& store_;
 };
 
 // Another source with some of its items replaced or added.

@@ -218,6 +218,7 @@ TEST_CASE("with models that cannot be used any more nothing is captured; the cel
   cell.in.model_changed = true;
   cell.in.workers_idle = false;  // the halves of the model memory change places
   cell.step();
+  cell.step();
   cell.step(5'000'000);
   CHECK(cell.state() == CellState::kSettling);
   cell.in.workers_idle = true;
