@@ -6,8 +6,8 @@
 
 namespace beltpick::app {
 
-KeptModels::KeptModels(std::optional<service::Store> store, RecipeMemory memory)
-    : store_(std::move(store)), memory_(std::move(memory)), stored_(store_ ? &*store_ : nullptr), imported_(stored_) {}
+KeptModels::KeptModels(service::Store store, RecipeMemory memory)
+    : store_(std::move(store)), memory_(std::move(memory)), stored_(store_), imported_(stored_) {}
 
 Result<std::unique_ptr<KeptModels>> KeptModels::open(const Settings& settings, std::vector<std::string>& warnings) {
   const std::filesystem::path folder = from_settings(settings, settings.state);
