@@ -1,3 +1,7 @@
+#include <fcntl.h>
+#include <stdlib.h>
+#include <unistd.h>
+
 #include <catch2/catch.hpp>
 #include <chrono>
 #include <filesystem>
@@ -152,6 +156,45 @@ TEST_CASE("a tty that is not there is told, and stopping does not wait for it", 
   REQUIRE(eventually([&] { return link.last_error().text().find("No such file") != std::string_view::npos; }));
   CHECK(link.last_error().code == ResultCode::kTriggerLost);
   CHECK(link.arm(Bench::sequence(3)).error().code == ResultCode::kTriggerLost);
+}
+
+TEST_CASE("the firmware's identity is known, and a second program is told that the tty is taken", "[trigger link]") {
+  Bench bench;
+  capture::TriggerLink link({.tty = bench.tty});
+  CHECK_FALSE(link.tried());
+  CHECK_FALSE(link.identity());
+  link.start();
+  REQUIRE(eventually([&] { return link.connected(); }));
+  CHECK(link.tried());
+  REQUIRE(link.identity());
+  CHECK(link.identity()->board == protocol::BoardKind::kHost);
+
+  capture::TriggerLink second({.tty = bench.tty});
+  second.start();
+  REQUIRE(eventually([&] { return second.tried(); }));
+  CHECK(second.last_error().text().find("another program uses it") != std::string_view::npos);
+  CHECK(link.connected());
+}
+
+TEST_CASE("a firmware of another protocol version is told from a silent one", "[trigger link]") {
+  const int board = ::posix_openpt(O_RDWR | O_NOCTTY | O_NONBLOCK);
+  REQUIRE(board >= 0);
+  REQUIRE(::grantpt(board) == 0);
+  REQUIRE(::unlockpt(board) == 0);
+  capture::TriggerLink link({.tty = ::ptsname(board)});
+  link.start();
+  std::uint8_t frame[protocol::kMaxFrame];
+  const std::uint8_t message[] = {protocol::kVersion + 1, static_cast<std::uint8_t>(protocol::Type::kIdentity), 1};
+  const std::size_t size = protocol::encode_frame(message, sizeof message, frame, sizeof frame);
+  REQUIRE(eventually([&] {
+    (void)!::write(board, frame, size);
+    std::uint8_t asked[64];
+    while (::read(board, asked, sizeof asked) > 0) {
+    }
+    return link.tried() && link.last_error().text().find("flash the matching firmware") != std::string_view::npos;
+  }));
+  CHECK(link.last_error().text().find("expected protocol version 1, found 2") != std::string_view::npos);
+  ::close(board);
 }
 
 TEST_CASE("firmware faults have codes of their own, or the appliance's where it has one", "[trigger link]") {
