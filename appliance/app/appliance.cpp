@@ -121,6 +121,7 @@ struct Appliance::Threads {
   TriggerLines lines;
   VisionThread vision;
   Controller controller;
+  std::optional<ApplianceCellSide> cell_side;  // where there is a state folder
   std::atomic<bool> stop{false};
   std::thread cycle, plc, service, models;
 };
@@ -163,7 +164,8 @@ Result<void> Appliance::open_state(State state) {
 }
 
 void Appliance::lock_memory() {
-  if (block_.lock()) {
+  memory_locked_ = block_.lock();
+  if (memory_locked_) {
     log_.write(LogLevel::kInfo, "%.1f MB taken and locked", static_cast<double>(block_.bytes()) / 1e6);
   } else {
     log_.write(LogLevel::kWarning, "%.1f MB taken but not locked: raise the memlock limit (ulimit -l, LimitMEMLOCK=)",
@@ -171,16 +173,39 @@ void Appliance::lock_memory() {
   }
 }
 
+SelfTestOf Appliance::self_test_of() const {
+  return {.settings = settings_,
+          .camera = stages_->camera,
+          .trigger = stages_->trigger,
+          .hub = stages_->hub,
+          .memory_locked = memory_locked_,
+          .memory_bytes = static_cast<std::int64_t>(block_.bytes()),
+          .plc_port = {},
+          .service_port = {}};
+}
+
 service::SelfTestReport Appliance::self_test_alone() {
-  SelfTestOf of{.settings = settings_,
-                .camera = stages_->camera,
-                .trigger = stages_->trigger,
-                .hub = stages_->hub,
-                .memory_locked = block_.lock(),
-                .memory_bytes = static_cast<std::int64_t>(block_.bytes()),
-                .plc_port = {},
-                .service_port = {}};
-  return service::judge(gather_facts_alone(std::move(of), stages_->camera, stages_->trigger));
+  memory_locked_ = block_.lock();
+  return service::judge(gather_facts_alone(self_test_of(), stages_->camera, stages_->trigger));
+}
+
+service::SelfTestReport Appliance::self_test_running(const Threads& threads) const {
+  SelfTestOf of = self_test_of();
+  of.plc_port = {service::PortState::kServedHere, settings_.plc_address, threads.server->port(), "",
+                 threads.server->clients() > 0};
+  of.service_port = {service::PortState::kServedHere, settings_.service_address, settings_.service_port, "", true};
+  return service::judge(gather_facts(of));
+}
+
+ApplianceCellSide::Neighbours Appliance::cell_side_of(const Threads& threads) {
+  return {.source = kept_->source(),
+          .hub = stages_->hub,
+          .book = *book_,
+          .plc = threads.exchange,
+          .camera = stages_->camera,
+          .trigger = stages_->trigger,
+          .budget_bytes = block_.bytes(),
+          .self_test = [this, &threads] { return self_test_running(threads); }};
 }
 
 bool Appliance::can_be_taken_down() const { return !stages_->camera.started() || stages_->camera.tried(); }
@@ -210,6 +235,7 @@ Result<int> Appliance::run() {
   log_.write(LogLevel::kInfo, "PLC: Modbus TCP on %s port %u", settings_.plc_address.c_str(), (*server)->port());
 
   const auto threads = std::make_unique<Threads>(*this, std::move(*server), exchange);
+  if (kept_) threads->cell_side.emplace(settings_, cell_side_of(*threads));
   stages_->camera.start();
   stages_->trigger.start();
   threads->plc =

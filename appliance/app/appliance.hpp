@@ -6,6 +6,7 @@
 #include <thread>
 
 #include "app/capture_and_locate.hpp"
+#include "app/cell_side.hpp"
 #include "app/controller.hpp"
 #include "app/kept_models.hpp"
 #include "app/log.hpp"
@@ -66,6 +67,9 @@ class Appliance {
 
   static std::size_t measure(const Settings& settings, Log& log);
   void tell_priority();
+  [[nodiscard]] SelfTestOf self_test_of() const;
+  [[nodiscard]] service::SelfTestReport self_test_running(const Threads& threads) const;
+  ApplianceCellSide::Neighbours cell_side_of(const Threads& threads);
   int supervise(Threads& threads);
   void stop(Threads& threads);
   void write_summary_file() const;
@@ -74,6 +78,7 @@ class Appliance {
   Log& log_;
   std::unique_ptr<RunBook> book_;
   ArenaBlock block_;
+  bool memory_locked_ = false;
   Arena arena_;
   std::unique_ptr<Stages> stages_;
   std::unique_ptr<KeptModels> kept_;  // null without a state folder

@@ -148,6 +148,7 @@ service::SelfTestFacts gather_facts(const SelfTestOf& of) {
   facts.service_port = of.service_port;
   facts.state_folder = folder_found(settings, settings.state);
   facts.record_folder = folder_found(settings, settings.record_folder);
+  if (!settings.state.empty()) facts.store = service::find_store(from_settings(settings, settings.state));
   const ModelHub::InUse in_use = of.hub.in_use();
   facts.calibration = calibration_found(of, in_use);
   if (facts.store.configured) facts.calibration.age_days = facts.store.calibration_age_days;
