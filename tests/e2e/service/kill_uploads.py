@@ -13,15 +13,18 @@ Its last line is JSON.
 import argparse
 import hashlib
 import json
+import math
 import pathlib
 import random
 import shutil
 import signal
 import socket
+import struct
 import subprocess
 import sys
 import threading
 import time
+import zlib
 from http.client import HTTPException
 
 from api_client import Client
@@ -42,10 +45,51 @@ requests_per_minute = 10000000
 image_width = 640
 image_height = 480
 """
-LENS = {"width": 640, "height": 480, "matrix": [[700, 0, 320], [0, 700, 240], [0, 0, 1]], "distortion": [0, 0, 0, 0, 0]}
-CALIBRATION = {"format": "beltpick-calibration", "version": 1, "camera": LENS, "projector": LENS,
-               "projector_from_camera": {"rotation": [[1, 0, 0], [0, 1, 0], [0, 0, 1]], "translation": [200, 0, 0]}}
-CELL = {"format": "beltpick-cell", "version": 1}
+IDENTITY = [[1, 0, 0], [0, 1, 0], [0, 0, 1]]
+
+
+def lens(width, height):
+    matrix = [[width, 0, width / 2], [0, width, height / 2], [0, 0, 1]]
+    return {"width": width, "height": height, "matrix": matrix, "distortion": [0, 0, 0, 0, 0]}
+
+
+def calibration(chance):
+    return json.dumps({
+        "format": "beltpick-calibration", "version": 1, "id": f"{chance.getrandbits(64):x}",
+        "camera": lens(640, 480), "projector": lens(912, 1140),
+        "projector_from_camera": {"rotation": IDENTITY, "translation": [200, 0, 0]},
+        "quality": {"note": "x" * chance.choice([0, 100, 10_000, 60_000])}}).encode()
+
+
+def cell(chance):
+    belt = [[1, 0, 0, chance.random()], [0, -1, 0, 0], [0, 0, -1, 700], [0, 0, 0, 1]]
+    return json.dumps({"format": "beltpick-cell", "version": 1, "belt_from_camera": belt}).encode()
+
+
+def template(chance):
+    """A ball, as `beltpick teach` would write it."""
+    radius, count = chance.uniform(10, 20), chance.choice([1500, 3000])
+    golden = math.pi * (3 - math.sqrt(5))
+    normals = []
+    for i in range(count):
+        z = 1 - 2 * (i + 0.5) / count
+        r = math.sqrt(1 - z * z)
+        normals += [r * math.cos(golden * i), r * math.sin(golden * i), z]
+    header = json.dumps({
+        "format": "beltpick-template", "version": 1, "points": count, "spacing_mm": radius * math.sqrt(12 / count),
+        "box_min_mm": [-radius] * 3, "box_max_mm": [radius] * 3, "primitives": [], "grasps": [],
+        "symmetry": {"name": "none", "elements": [[[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]],
+                     "revolution": False, "axis_point_mm": [0, 0, 0], "axis_direction": [0, 0, 1]}}).encode()
+    points = struct.pack(f"<{6 * count}f", *(radius * n for n in normals), *normals)
+    return b"beltpick-template 1 %08x %d\n" % (zlib.crc32(header + points), len(header)) + header + points
+
+
+def recipe(chance):
+    return json.dumps({"format": "beltpick-recipe", "version": 1, "number": 1, "name": "balls", "sequence": "standard",
+                       "exposure_us": chance.uniform(5000, 9000), "templates": ["ball"]}).encode()
+
+
+MAKERS = {"calibration": calibration, "cell": cell, "template": template, "recipe": recipe}
 
 
 def free_port():
@@ -103,15 +147,7 @@ class Item:
         self.in_flight = None
 
     def make(self, chance):
-        filler = "x" * chance.choice([0, 100, 10_000, 60_000])
-        if self.kind == "template":
-            return b"beltpick" + chance.randbytes(len(filler) + 1)
-        if self.kind == "calibration":
-            return json.dumps({**CALIBRATION, "id": f"{chance.getrandbits(64):x}", "quality": {"note": filler}}).encode()
-        if self.kind == "cell":
-            at = [[1, 0, 0, chance.random()], [0, -1, 0, 0], [0, 0, -1, 700], [0, 0, 0, 1]]
-            return json.dumps({**CELL, "belt_from_camera": at}).encode()
-        return json.dumps({"name": f"{chance.getrandbits(64):x}", "note": filler}).encode()
+        return MAKERS[self.kind](chance)
 
     def check(self, client):
         """What is wrong with this item, or nothing."""
@@ -151,7 +187,8 @@ class Uploader(threading.Thread):
             pass  # killed
 
     def upload(self, client, connection):
-        item = self.chance.choice(self.items)
+        # A recipe can be taken once its template is there.
+        item = self.chance.choice([item for item in self.items if item.kind != "recipe" or self.items[2].versions])
         content = item.make(self.chance)
         item.in_flight = (item.versions[-1][0] + 1 if item.versions else 1, content)
         self.begun += 1
@@ -168,9 +205,7 @@ class Uploader(threading.Thread):
 
 def torture(server, options):
     chance = random.Random(options.seed)
-    items = [Item("calibration", "calibration"), Item("cell", "cell")]
-    if not server.is_daemon:
-        items += [Item("template", "knuckle"), Item("recipe", "mixed")]
+    items = [Item("calibration", "calibration"), Item("cell", "cell"), Item("template", "ball"), Item("recipe", "balls")]
     counts = {"uploads": 0, "acknowledged": 0, "kills": 0, "hit": 0, "came_new": 0, "violations": 0}
     server.launch()
     server.wait_ready()
