@@ -10,6 +10,7 @@
 #include <cstdio>
 #include <ctime>
 
+#include "app/api_service.hpp"
 #include "base/clock.hpp"
 #include "base/thread_priority.hpp"
 
@@ -23,6 +24,7 @@ constexpr int kServiceStep_ms = 20;
 constexpr int kModelsNice = 10;  // reading and building what is to come must not take time from the cycle
 constexpr int kSupervise_ms = 50;
 constexpr int kStop_ms = 1200;  // what the vision thread has to end in; the whole stop takes less than 2 s
+constexpr int kStopApi_ms = 300;
 constexpr int kThreadLimit_ms = 2000;
 constexpr int kExitHung = 3;
 
@@ -124,6 +126,7 @@ struct Appliance::Threads {
   std::optional<ApplianceCellSide> cell_side;  // where there is a state folder
   std::atomic<bool> stop{false};
   std::thread cycle, plc, service, models;
+  std::unique_ptr<service::Service> api;  // null where it is not served
 };
 
 std::size_t Appliance::measure(const Settings& settings, Log& log) {
@@ -193,7 +196,9 @@ service::SelfTestReport Appliance::self_test_running(const Threads& threads) con
   SelfTestOf of = self_test_of();
   of.plc_port = {service::PortState::kServedHere, settings_.plc_address, threads.server->port(), "",
                  threads.server->clients() > 0};
-  of.service_port = {service::PortState::kServedHere, settings_.service_address, settings_.service_port, "", true};
+  if (threads.api != nullptr) {
+    of.service_port = {service::PortState::kServedHere, settings_.service_address, threads.api->port(), "", true};
+  }
   return service::judge(gather_facts(of));
 }
 
@@ -260,9 +265,19 @@ Result<int> Appliance::run() {
     }
   });
   name_thread(threads->models, "models");
+  start_api(*threads);
   const int exit_code = supervise(*threads);
   stop(*threads);
   return exit_code;
+}
+
+void Appliance::start_api(Threads& threads) {
+  if (threads.cell_side && settings_.service_enabled) {
+    threads.api = start_api_service(settings_, kept_->store(), *threads.cell_side, log_, threads.watchdog);
+  } else {
+    log_.write(LogLevel::kInfo, "service: not served: %s",
+               threads.cell_side ? "service.enabled is false" : "service.state names no folder");
+  }
 }
 
 int Appliance::supervise(Threads& threads) {
@@ -310,6 +325,12 @@ void Appliance::stop(Threads& threads) {
     write_summary_file();
     log_.drain(STDERR_FILENO);
     std::_Exit(0);  // it cannot be interrupted, and nothing of it is needed any more
+  }
+  if (threads.api != nullptr && !threads.api->stop(kStopApi_ms)) {
+    log_.write(LogLevel::kWarning, "service: a request was cut off");
+    write_summary_file();
+    log_.drain(STDERR_FILENO);
+    std::_Exit(0);  // whatever it was, the store holds the old or the new version
   }
   threads.service.join();
   threads.models.join();

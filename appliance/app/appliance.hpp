@@ -70,6 +70,7 @@ class Appliance {
   [[nodiscard]] SelfTestOf self_test_of() const;
   [[nodiscard]] service::SelfTestReport self_test_running(const Threads& threads) const;
   ApplianceCellSide::Neighbours cell_side_of(const Threads& threads);
+  void start_api(Threads& threads);
   int supervise(Threads& threads);
   void stop(Threads& threads);
   void write_summary_file() const;

@@ -10,6 +10,7 @@
 #include "contract_io/npy_header.hpp"
 #include "contract_io/toml_config.hpp"
 #include "samples.hpp"
+#include "support/mutate.hpp"
 #include "support/temp_folder.hpp"
 
 using namespace beltpick;
@@ -20,37 +21,6 @@ namespace {
 
 constexpr int kMutations = 4000;
 constexpr int kZipMutations = 400;  // each is a file
-
-// Flips bits, overwrites, cuts, doubles or inserts; often enough with bytes that mean something to a parser.
-std::string mutate(std::string bytes, Random& random) {
-  static constexpr std::string_view kTelling = "{}[]\",:-+.eE0123456789()'\n\xff\x00\x80";
-  const std::uint32_t edits = 1 + random.below(4);
-  for (std::uint32_t i = 0; i < edits && !bytes.empty(); ++i) {
-    const std::size_t at = random.below(static_cast<std::uint32_t>(bytes.size()));
-    const char telling = kTelling[random.below(static_cast<std::uint32_t>(kTelling.size()))];
-    switch (random.below(6)) {
-      case 0:
-        bytes[at] = static_cast<char>(bytes[at] ^ (1 << random.below(8)));
-        break;
-      case 1:
-        bytes[at] = telling;
-        break;
-      case 2:
-        bytes.resize(at);
-        break;
-      case 3:
-        bytes.insert(at, bytes.substr(at, random.below(64)));
-        break;
-      case 4:
-        bytes.insert(at, 1, telling);
-        break;
-      default:
-        bytes.erase(at, 1 + random.below(16));
-        break;
-    }
-  }
-  return bytes;
-}
 
 // Returns how many mutations were refused.
 int torture(const std::string& good, const std::function<Result<void>(const std::string&)>& parse,
