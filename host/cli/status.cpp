@@ -73,10 +73,13 @@ std::string camera_words(const Json& status) {
   return std::string(flag_at(status, "/camera/ready") ? "ready" : "not ready") + (serial.empty() ? "" : ", " + serial);
 }
 
+std::string memory_words(const Json& status) {
+  const auto mb = [&](const char* member) { return std::to_string(std::lround(number_at(status, member))) + " MB"; };
+  return mb("/memory_mb/budget") + " taken at start, " + mb("/memory_mb/resident") + " in all";
+}
+
 std::string status_text(const Json& status, const link::Address& address) {
   const std::string recipe = words_at(status, "/recipe/number") + " " + words_at(status, "/recipe/name");
-  const std::string memory =
-      words_at(status, "/memory_mb/resident") + " MB of " + words_at(status, "/memory_mb/budget");
   return address.text() + ", beltpickd " + words_at(status, "/version") + ", up " +
          duration_words(number_at(status, "/uptime_s")) + "\n" +
          text_table({{"cell", state_words(words_at(status, "/state"))},
@@ -89,7 +92,7 @@ std::string status_text(const Json& status, const link::Address& address) {
                      {"trigger box", flag_at(status, "/trigger/ready") ? "ready" : "not ready"},
                      {"PLC", flag_at(status, "/plc/connected") ? "connected" : "not connected"},
                      {"so far", counter_words(status)},
-                     {"memory", memory},
+                     {"memory", memory_words(status)},
                      {"your role", words_at(status, "/role")}},
                     2);
 }
