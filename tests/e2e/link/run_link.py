@@ -9,6 +9,7 @@ import pathlib
 import shutil
 import socket
 import sys
+import threading
 
 from bench import Impostor, User
 
@@ -129,7 +130,7 @@ def recipes(stage):
 
 
 def wrong_uploads(stage):
-    """Refused before anything is sent, in one line."""
+    """Refused in one line, most before anything is sent; what the appliance itself refuses, in its words."""
     user, to = stage.user, ("--to", stage.to)
     before = stage.python().ask("GET", "/items").json()
     calibration = json.loads((stage.cell / "calibration.json").read_text())
@@ -151,6 +152,8 @@ def wrong_uploads(stage):
                   ["calibration", stage.cell / "calibration.json", "--name", "x"],
                   ["template", stage.cell / "knuckle.template", "--name", "../x"]):
         user.run("upload", *words, *to, code=2, says="[USAGE]")
+    spaced = stage.file("spaced.json", b" " + (stage.cell / "calibration.json").read_bytes())
+    user.run("upload", "calibration", spaced, *to, code=1, says="expected a file that starts with {")  # the stand-in's
     good, bad = stage.cell / "knuckle.template", stage.work / "cut.template"
     user.run("upload", "template", good, bad, *to, code=1)
     expect("items afterwards", stage.python().ask("GET", "/items").json(), before)
@@ -213,6 +216,8 @@ def roles(stage):
     expect("a viewer's self-test", verdicts(otto.json("doctor", *to))["self-test"], "skipped")
     stage.user.run("tokens", "revoke", "otto", *to)
     otto.run("status", *to, code=1, says="[NOT_AUTHORIZED]")
+    report = otto.json("doctor", *to, code=1, says="first 'token'")
+    expect("doctor with a revoked token", verdicts(report)["token"], "failed")
     stage.user.run("tokens", "revoke", "otto", *to, code=1, says="[FILE_NOT_FOUND]")
     stage.user.run("tokens", "revoke", *to, code=2, says="[USAGE]")
 
@@ -242,6 +247,11 @@ def other_hosts(stage):
     stage.user.run("status", "--to", to, code=1, says=key)
     stage.user.run("status", "--to", to, code=1, says=stage.fingerprint)
     stage.user.run("enrol", "--to", to, stdin="secret-token\n", code=1, says="[CERTIFICATE_CHANGED]")
+    screen = stage.user.at_terminal("enrol", "--to", to, answers=[("[y/N] ", "")], code=1)
+    if "has changed" not in screen or stage.fingerprint not in screen or key not in screen:
+        sys.exit(f"a changed key at a terminal: {screen}")
+    report = stage.user.json("doctor", "--to", to, code=1, says="first 'certificate'")
+    expect("nothing is asked of another host", report["checks"][-1]["side"], "here")
     if b"secret" in impostor.got or b"Authorization" in impostor.got:
         sys.exit(f"a secret was sent to another host: {impostor.got}")
     impostor.close()
@@ -271,6 +281,16 @@ def verdicts(report):
     return {check["name"]: check["verdict"] for check in report["checks"]}
 
 
+def greet(listener):
+    """A server that speaks no TLS."""
+    try:
+        while True:
+            with listener.accept()[0] as client:
+                client.sendall(b"220 mail\r\n")
+    except OSError:
+        pass
+
+
 def doctor(stage):
     report = stage.user.json("doctor", "--to", stage.to)
     expect("of a good one", {name: verdict for name, verdict in verdicts(report).items() if name != "camera"},
@@ -280,12 +300,16 @@ def doctor(stage):
     stranger = User(stage.program, stage.work / "stranger")
     with socket.create_server(("127.0.0.1", 0)) as mute:
         closed = mute.getsockname()[1]
-    for to, failed in ((stage.to, "enrolment"), (NOWHERE, "name"), (f"127.0.0.1:{closed}", "port")):
+    plain = socket.create_server(("127.0.0.1", 0))
+    threading.Thread(target=greet, args=(plain,), daemon=True).start()
+    for to, failed in ((stage.to, "enrolment"), (NOWHERE, "name"), (f"127.0.0.1:{closed}", "port"),
+                       (f"127.0.0.1:{plain.getsockname()[1]}", "service")):
         report = stranger.json("doctor", "--to", to, code=1, says="[CHECK_FAILED]")
         expect(f"doctor --to {to}", verdicts(report)[failed], "failed")
         for check in report["checks"]:
             if check["verdict"] == "failed" and not (check["cause"] and check["remedy"]):
                 sys.exit(f"a failed check without cause or remedy: {check}")
+    plain.close()
     stage.user.run("doctor", code=2)
 
 
