@@ -13,6 +13,9 @@ import subprocess
 import sys
 import time
 
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "service"))
+import api_client  # noqa: E402
+
 CONFIG = """[camera]
 id = "{camera}"
 [trigger]
@@ -175,6 +178,54 @@ def beside_a_running_one(bench):
         daemon.wait(10)
 
 
+def over_https(bench):
+    """The running one tests itself with the devices that it holds, and tells what has been lost."""
+    with open(bench.run / "beltpickd.log", "w") as log:
+        daemon = subprocess.Popen([bench.bin / "beltpickd", "--config", bench.config()], stderr=log)
+    state = bench.run / "state"
+    try:
+        certificate, token = state / "tls" / "certificate.pem", state / "one_time_token"
+        wait_until("a certificate and a one-time token", lambda: certificate.exists() and token.exists())
+        client = api_client.Client(bench.values["service_port"], certificate, timeout=30)
+        wait_until("the service", lambda: answers(client))
+        enrolled = client.ask("POST", "/enrol", {"token": token.read_text().strip(), "name": "tester"})
+        expect("status of enrolling", enrolled.status, 201)
+        client.token = enrolled.json()["token"]
+
+        def running():
+            asked = client.ask("POST", "/self-test")
+            expect("status of the self-test", asked.status, 200)
+            return {check["name"]: check for check in asked.json()["checks"]}
+
+        wait_until("camera and trigger box", lambda: running()["camera"]["verdict"] == "good" and
+                   running()["trigger box"]["verdict"] == "good")
+        checks = running()
+        for name in ("camera", "image size", "trigger box", "lines", "state folder", "calibration", "models", "service"):
+            expect(f"verdict of the running one on the {name}: {checks[name]}", checks[name]["verdict"], "good")
+        expect(f"PLC port without a PLC: {checks['PLC port']}", checks["PLC port"]["verdict"], "warning")
+        bench.world.kill()
+        wait_until("the loss of both", lambda: running()["camera"]["verdict"] == "failed" and
+                   running()["trigger box"]["verdict"] == "failed")
+    finally:
+        daemon.send_signal(signal.SIGTERM)
+        daemon.wait(10)
+
+
+def answers(client):
+    try:
+        return client.ask("GET", "/health").status == 200
+    except OSError:
+        return False
+
+
+def wait_until(what, condition, patience_s=25):
+    give_up = time.monotonic() + patience_s
+    while not condition():
+        if time.monotonic() > give_up:
+            sys.exit(f"{what}: not within {patience_s} s")
+        time.sleep(0.2)
+
+
 def main():
     bin_folder, cell, work = (pathlib.Path(argument).resolve() for argument in sys.argv[1:4])
     run = work / "self-test"
@@ -182,7 +233,7 @@ def main():
     run.mkdir(parents=True)
     bench = Bench(bin_folder, cell, run)
     try:
-        for test in (all_good, each_fault, no_calibration, beside_a_running_one):
+        for test in (all_good, each_fault, no_calibration, beside_a_running_one, over_https):
             test(bench)
             print(f"{test.__name__}: as expected")
     finally:
