@@ -1,10 +1,12 @@
 """Requests that no good client sends, made from good ones by fixed-seed mutation, and a worker that sends them."""
 
+import json
 import random
 import select
 import socket
 import ssl
 import time
+import zlib
 
 TELLING = [b"{", b"}", b"[", b"]", b'"', b",", b":", b"-", b"+", b".", b"e", b"0", b"9", b"\r\n", b"\n", b" ", b"\x00", b"\x80",
            b"\xff", b"%00", b"../", b"99999999999999999999", b"-1", b"1e999", b"null", b"A" * 300, b"[" * 500]
@@ -33,6 +35,20 @@ def mutate(data, rng, edits=4):
     return bytes(data)
 
 
+def small_template(template, points=200):
+    """The same template with fewer points: quick to send, with all that a parser reads."""
+    line, _, rest = template.partition(b"\n")
+    header = json.loads(rest[:int(line.split()[3])])
+    cloud = rest[int(line.split()[3]):]
+    count, header["points"] = header["points"], points
+    return sealed(json.dumps(header).encode(), cloud[:12 * points] + cloud[12 * count:12 * (count + points)])
+
+
+def sealed(header, points):
+    """A template of these two, its checksum right."""
+    return b"beltpick-template 1 %08x %d\n" % (zlib.crc32(header + points), len(header)) + header + points
+
+
 class Requests:
     """Makes requests; `items`: good files by kind, `token`: a commissioner's."""
 
@@ -45,6 +61,7 @@ class Requests:
 
     def __init__(self, seed, token, items):
         self.rng, self.token, self.items = random.Random(seed), token, items
+        self.small = small_template(items["template"])
 
     def head(self, method, path, body=b"", length=None, token=None):
         length = len(body) if length is None else length
@@ -52,6 +69,18 @@ class Requests:
         if length or method in ("PUT", "POST"):
             lines.append(f"Content-Length: {length}")
         return "\r\n".join(lines).encode() + b"\r\n\r\n"
+
+    def damaged(self, kind):
+        """A damaged file of a kind; of templates every other one with a checksum that fits, few of full size."""
+        if kind != "template":
+            return mutate(self.items[kind], self.rng, 6)
+        if self.rng.random() < 0.02:
+            return mutate(self.items["template"], self.rng, 6)
+        if self.rng.random() < 0.5:
+            return mutate(self.small, self.rng, 6)
+        line, _, rest = self.small.partition(b"\n")
+        length = int(line.split()[3])
+        return sealed(mutate(rest[:length], self.rng), rest[length:])
 
     def good(self):
         """A request in order; and whether it is one that could change what the cell works with."""
@@ -65,7 +94,7 @@ class Requests:
         if kind < 0.7:
             return self.head("DELETE", rng.choice(("items/template/fuzz2", "items/recipe/fuzz3", "tokens/fuzz")))
         item = rng.choice(("template/fuzz1", "recipe/fuzz3"))
-        body = self.items[item.split("/")[0]]
+        body = self.items["recipe"] if item.startswith("recipe") else self.small
         return self.head("PUT", "items/" + item, body) + body
 
     def next(self):
@@ -77,7 +106,7 @@ class Requests:
             return "head", mutate(request[:end], rng) + request[end:]
         if kind < 0.60:
             item = rng.choice(self.ITEMS)
-            body = mutate(self.items[item.split("/")[0]], rng, 6)
+            body = self.damaged(item.split("/")[0])
             return "upload", self.head("PUT", "items/" + item, body) + body
         if kind < 0.75:
             path = rng.choice(list(self.BODIES))
@@ -98,7 +127,7 @@ class Requests:
 class Sender:
     """One client: keeps its connection while the server does, and comes from another loopback address each time."""
 
-    PATIENCE_S = 1.0
+    PATIENCE_S = 0.5
 
     def __init__(self, port, certificate, rng):
         self.port, self.rng, self.connection = port, rng, None
