@@ -54,7 +54,7 @@ apply_to_machine() {
   if systemd_runs; then
     act "systemd: read the unit" systemctl daemon-reload
     start_service
-    say "next: 'beltpickd --self-test --config $configuration', then 'beltpick enrol --to localhost'"
+    say "next: 'beltpickd --self-test --config $configuration', then 'beltpick enrol --to localhost --token $state/one_time_token'"
   else
     tell_foreground
   fi
