@@ -53,6 +53,14 @@ MHD_Result read_header(void* head_of, MHD_ValueKind, const char* key, const char
   return MHD_YES;
 }
 
+// Of what a client sent, that which a log can bear: one line of ASCII.
+std::string for_log(std::string_view text) {
+  std::string line = contract_io::one_line(text);
+  std::replace_if(
+      line.begin(), line.end(), [](char c) { return static_cast<unsigned char>(c) >= 0x80; }, '?');
+  return line;
+}
+
 void add_header(MHD_Response* response, const char* name, const std::string& value) {
   if (!value.empty()) MHD_add_response_header(response, name, value.c_str());
 }
@@ -138,7 +146,7 @@ struct HttpsServer::Glue {
     auto& server = *static_cast<HttpsServer*>(server_of);
     std::array<char, 200> text{};
     std::vsnprintf(text.data(), text.size(), format, arguments);
-    std::string line = contract_io::one_line(text.data());
+    std::string line = for_log(text.data());
     while (line.ends_with('?') || line.ends_with(' ')) line.pop_back();
     server.refusals_.write("service: " + line, monotonic_us());
   }
@@ -363,9 +371,9 @@ void HttpsServer::log_answer(const Connection& connection) {
   std::string line = "service: " + connection.admission.caller.name + " from " + address_text(connection.from) + ": " +
                      connection.method.substr(0, 16) + " " + connection.path.substr(0, 100) + ": " +
                      std::to_string(reply.status);
-  if (!refused) return log_(false, contract_io::one_line(line));
+  if (!refused) return log_(false, for_log(line));
   line += " " + std::string(result_code_name(reply.code));
-  refusals_.write(contract_io::one_line(line), monotonic_us());
+  refusals_.write(for_log(line), monotonic_us());
 }
 
 }  // namespace beltpick::service
