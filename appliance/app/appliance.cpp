@@ -145,7 +145,7 @@ Appliance::Appliance(const Settings& settings, Log& log)
       stages_(std::make_unique<Stages>(arena_, settings, log, *book_)) {}
 
 std::string Appliance::budget_text() const {
-  std::string text = "memory, from the declared limits:\n";
+  std::string text = "memory, from the declared limits (scratch of locating lies over that of decoding):\n";
   char line[96];
   for (const Arena::Share& share : arena_.shares()) {
     std::snprintf(line, sizeof line, "  %-28s %9.2f MB\n", share.name, static_cast<double>(share.bytes) / 1e6);

@@ -12,12 +12,30 @@ std::byte* Arena::claim(const char* name, std::size_t bytes) {
   const std::size_t rounded = (bytes + kAlignment - 1) / kAlignment * kAlignment;
   const std::size_t at = used_;
   used_ += rounded;
-  if (memory_ != nullptr && used_ > capacity_) {
-    std::fprintf(stderr,
-                 "beltpick: the memory budget of %zu bytes does not cover '%s' (%zu bytes): a bug in the budget\n",
-                 capacity_, name, bytes);
-    std::abort();
-  }
+  check_room(name, bytes);
+  note_share(name, rounded);
+  return memory_ == nullptr ? nullptr : memory_ + at;
+}
+
+std::byte* Arena::claim_scratch(Phase phase, const char* name, std::size_t bytes) {
+  const std::size_t rounded = (bytes + kAlignment - 1) / kAlignment * kAlignment;
+  std::size_t& scratch = scratch_[static_cast<std::size_t>(phase)];
+  const std::size_t used_before = used_bytes();
+  scratch += rounded;
+  check_room(name, bytes);
+  note_share(name, used_bytes() - used_before);
+  return memory_ == nullptr ? nullptr : memory_ + (capacity_ - scratch);
+}
+
+void Arena::check_room(const char* name, std::size_t bytes) const {
+  if (memory_ == nullptr || used_bytes() <= capacity_) return;
+  std::fprintf(stderr,
+               "beltpick: the memory budget of %zu bytes does not cover '%s' (%zu bytes): a bug in the budget\n",
+               capacity_, name, bytes);
+  std::abort();
+}
+
+void Arena::note_share(const char* name, std::size_t bytes) {
   Share* share = nullptr;
   for (std::size_t i = 0; i < share_count_; ++i) {
     if (std::strcmp(shares_[i].name, name) == 0) share = &shares_[i];
@@ -26,8 +44,7 @@ std::byte* Arena::claim(const char* name, std::size_t bytes) {
     share = &shares_[share_count_++];
     *share = {name, 0};
   }
-  if (share != nullptr) share->bytes += rounded;
-  return memory_ == nullptr ? nullptr : memory_ + at;
+  if (share != nullptr) share->bytes += bytes;
 }
 
 ArenaBlock::ArenaBlock(std::size_t bytes) : bytes_(bytes) {

@@ -42,14 +42,15 @@ DecoderLimits limits_for(const FoldPlan& plan, int rows, int cols, int pixel_byt
 
 Decoder::Decoder(Arena& arena, const DecoderLimits& limits) : limits_(limits) {
   const std::size_t pixels = pixel_count(limits);
-  context_.store = PlaneStore(arena.take<std::byte>("decode state", PlaneStore::bytes_for(pixels, limits.state_bytes)));
+  context_.store = PlaneStore(arena.take_scratch<std::byte>(Phase::kMeasure, "decode state",
+                                                            PlaneStore::bytes_for(pixels, limits.state_bytes)));
   scratch_ = RowScratch(arena, limits.cols);
   check_ = FrameCheck(arena, limits.rows, limits.cols, limits.frames);
-  if (limits.codes_columns) column_px_ = arena.take<float>("code image", pixels);
-  if (limits.codes_rows) row_px_ = arena.take<float>("code image", pixels);
-  modulation_ = arena.take<float>("code image", pixels);
-  texture_ = arena.take<std::uint8_t>("code image", pixels);
-  state_ = arena.take<PixelState>("code image", pixels);
+  if (limits.codes_columns) column_px_ = arena.take_scratch<float>(Phase::kMeasure, "code image", pixels);
+  if (limits.codes_rows) row_px_ = arena.take_scratch<float>(Phase::kMeasure, "code image", pixels);
+  modulation_ = arena.take_scratch<float>(Phase::kMeasure, "code image", pixels);
+  texture_ = arena.take<std::uint8_t>("texture", pixels);  // the range image goes on with it
+  state_ = arena.take_scratch<PixelState>(Phase::kMeasure, "code image", pixels);
 }
 
 Result<void> check_fit(const FoldPlan& plan, const DecoderLimits& limits, int rows, int cols, int pixel_bytes) {

@@ -44,7 +44,8 @@ class Decoder {
   Result<void> fold(int index, ImageView<const std::uint8_t> image);
   Result<void> fold(int index, ImageView<const std::uint16_t> image);
 
-  // The views stay good until the next begin(). Errors: kFrameMissing; kFrameBlack, kFrameDuplicated or
+  // The views stay good until the next begin(), but for the texture only until parts are located over the same arena.
+  // Errors: kFrameMissing; kFrameBlack, kFrameDuplicated or
   // kSequenceOrderWrong where the images contradict the sequence (see FrameCheck).
   Result<CodeImage> finish();
 

@@ -54,7 +54,7 @@ class Measure {
   // The views stay good until the next begin(). Errors as Decoder::finish and Triangulator::measure.
   Result<RangeImage> finish();
 
-  // Of the last finish().
+  // Of the last finish(); the code until parts are located over the same arena.
   [[nodiscard]] const CodeImage& code() const { return code_; }
   [[nodiscard]] const MeasureTiming& timing() const { return timing_; }
   [[nodiscard]] const range::RangeCounts& counts() const { return triangulator_.counts(); }

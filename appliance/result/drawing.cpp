@@ -13,13 +13,15 @@ constexpr float kLeastCosine = 0.2F;
 }  // namespace
 
 Drawing::Drawing(Arena& arena, const Limits& limits)
-    : front_(
-          arena.take<Projected>("verify: points facing the camera", static_cast<std::size_t>(limits.template_points))),
-      visible_(arena.take<VisiblePoint>("verify: points in sight", static_cast<std::size_t>(limits.template_points))),
-      cells_(arena.take<float>("verify: depth buffer", static_cast<std::size_t>(limits.image_width) *
-                                                           static_cast<std::size_t>(limits.image_height) / 4)),
-      index_cells_(arena.take<std::uint16_t>(
-          "verify: depth buffer",
+    : front_(arena.take_scratch<Projected>(Phase::kLocate, "verify: points facing the camera",
+                                           static_cast<std::size_t>(limits.template_points))),
+      visible_(arena.take_scratch<VisiblePoint>(Phase::kLocate, "verify: points in sight",
+                                                static_cast<std::size_t>(limits.template_points))),
+      cells_(arena.take_scratch<float>(
+          Phase::kLocate, "verify: depth buffer",
+          static_cast<std::size_t>(limits.image_width) * static_cast<std::size_t>(limits.image_height) / 4)),
+      index_cells_(arena.take_scratch<std::uint16_t>(
+          Phase::kLocate, "verify: depth buffer",
           static_cast<std::size_t>(limits.image_width) * static_cast<std::size_t>(limits.image_height) / 4)) {}
 
 void Drawing::draw(const PartModel& model, const PartPose& T_camera_part, const Lens& lens) {

@@ -12,9 +12,12 @@ constexpr std::array<std::array<int, 2>, 4> kNeighbours{{{0, 1}, {1, 0}, {1, 1},
 }  // namespace
 
 Components::Components(Arena& arena, int max_pixels)
-    : parent_(arena.take<std::int32_t>("segment: components", static_cast<std::size_t>(max_pixels))),
-      size_(arena.take<std::int32_t>("segment: components", static_cast<std::size_t>(max_pixels))),
-      numbers_(arena.take<std::uint16_t>("segment: components", static_cast<std::size_t>(max_pixels))) {}
+    : parent_(arena.take_scratch<std::int32_t>(Phase::kLocate, "segment: components",
+                                               static_cast<std::size_t>(max_pixels))),
+      size_(arena.take_scratch<std::int32_t>(Phase::kLocate, "segment: components",
+                                             static_cast<std::size_t>(max_pixels))),
+      numbers_(arena.take_scratch<std::uint16_t>(Phase::kLocate, "segment: components",
+                                                 static_cast<std::size_t>(max_pixels))) {}
 
 std::int32_t Components::root(std::int32_t pixel) {
   while (parent_[pixel] != pixel) {

@@ -22,9 +22,9 @@ Segmenter::Segmenter(Arena& arena, const Limits& limits, CreaseCut creases)
       fragments_(arena),
       roster_(arena, limits.segments) {
   const auto pixels = static_cast<std::size_t>(limits.image_width) * static_cast<std::size_t>(limits.image_height);
-  mask_ = arena.take<std::uint8_t>("segment: mask", pixels);
-  opened_ = arena.take<std::uint8_t>("segment: mask", pixels);
-  height_mm_ = arena.take<float>("segment: height", pixels);
+  mask_ = arena.take_scratch<std::uint8_t>(Phase::kLocate, "segment: mask", pixels);
+  opened_ = arena.take_scratch<std::uint8_t>(Phase::kLocate, "segment: mask", pixels);
+  height_mm_ = arena.take_scratch<float>(Phase::kLocate, "segment: height", pixels);
   labels_ = arena.take<std::uint16_t>("segment: labels", pixels);
   if (creases == CreaseCut::kAvailable) creases_.emplace(arena, limits.image_width * limits.image_height);
 }
