@@ -158,7 +158,7 @@ void ModelHub::serve(const std::function<bool()>& workers_idle) {
     prepared_for_ = asked;
     prepare();
     if (*candidate_ && !standby_is_new_ && load_code_ == ResultCode::kOk) return keep();
-    if (announce_) {
+    if (announce_ && !holding_) {  // told once, nothing is offered until the change
       holding_ = true;  // before `changed`: no capture may start between the two
       changed_ = true;
     }
