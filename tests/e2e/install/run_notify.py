@@ -14,7 +14,7 @@ import time
 
 WATCHDOG_S = 0.6
 CONFIG = """[camera]
-id = "127.0.0.1"
+id = "127.0.12.254"
 [trigger]
 tty = "{run}/no-trigger"
 [model]
@@ -33,7 +33,7 @@ object_points = 200
 """
 
 
-def listen(manager, until, patience_s=20):
+def listen(manager, until, patience_s=60):
     """All messages up to the first for which until() holds, with their times."""
     heard = []
     give_up = time.monotonic() + patience_s
