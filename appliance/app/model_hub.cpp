@@ -159,7 +159,7 @@ void ModelHub::serve(const std::function<bool()>& workers_idle) {
     prepare();
     if (*candidate_ && !standby_is_new_ && load_code_ == ResultCode::kOk) return keep();
     if (announce_ && !holding_) {  // told once, nothing is offered until the change
-      holding_ = true;  // before `changed`: no capture may start between the two
+      holding_ = true;             // before `changed`: no capture may start between the two
       changed_ = true;
     }
   }
