@@ -74,7 +74,7 @@ DoctorCheck check_certificate(const link::FirstContact& contact, const Result<li
 DoctorCheck check_clock(const Json& health) {
   const auto there = seconds_of(words_at(health, "/time"));
   if (!there) return here("clock", "skipped", "the appliance does not tell its time");
-  const double apart = *there - now_s();
+  const double apart = *there + 0.5 - now_s();  // it tells whole seconds
   const double size = std::abs(apart);
   const std::string found = "the appliance's is " + std::to_string(std::lround(size)) + " s " +
                             (apart < 0 ? "behind" : "ahead of") + " this one";

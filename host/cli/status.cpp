@@ -73,20 +73,24 @@ std::string camera_words(const Json& status) {
   return std::string(flag_at(status, "/camera/ready") ? "ready" : "not ready") + (serial.empty() ? "" : ", " + serial);
 }
 
+std::string recipe_words(const Json& status) {
+  if (number_at(status, "/recipe/number") < 1) return "none";  // the PLC counts from 1
+  return words_at(status, "/recipe/number") + " " + words_at(status, "/recipe/name");
+}
+
 std::string memory_words(const Json& status) {
   const auto mb = [&](const char* member) { return std::to_string(std::lround(number_at(status, member))) + " MB"; };
   return mb("/memory_mb/budget") + " taken at start, " + mb("/memory_mb/resident") + " in all";
 }
 
 std::string status_text(const Json& status, const link::Address& address) {
-  const std::string recipe = words_at(status, "/recipe/number") + " " + words_at(status, "/recipe/name");
   return address.text() + ", beltpickd " + words_at(status, "/version") + ", up " +
          duration_words(number_at(status, "/uptime_s")) + "\n" +
          text_table({{"cell", state_words(words_at(status, "/state"))},
                      {"fault", code_words(status, "fault")},
                      {"last answer", code_words(status, "last_code")},
                      {"hindrance", code_words(status, "model")},
-                     {"recipe", recipe},
+                     {"recipe", recipe_words(status)},
                      {"in use", used_words(status)},
                      {"camera", camera_words(status)},
                      {"trigger box", flag_at(status, "/trigger/ready") ? "ready" : "not ready"},

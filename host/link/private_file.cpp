@@ -31,7 +31,8 @@ Result<void> check_owner(const std::filesystem::path& path, mode_t forbidden, co
                    "%s: expected to find it, found: %s", name.c_str(), std::strerror(errno));
   }
   if (status.st_uid != geteuid()) {
-    return failure(ResultCode::kFileUnreadable, "%s: expected a file of your own (user %u), found user %u's; chown it",
+    return failure(ResultCode::kFileUnreadable,
+                   "%s: expected a file of your own (user %u), found user %u's; run beltpick as that user, or enrol",
                    name.c_str(), geteuid(), status.st_uid);
   }
   if ((status.st_mode & forbidden) == 0) return {};
