@@ -62,6 +62,13 @@ Result<Recipe> FileSource::parse(const ModelDocument& recipe, std::vector<std::s
 }
 
 Result<ModelDocument> StoreSource::get(const ItemId& id) const {
+  for (const service::Store::Fallback& fallback : store_.fallbacks()) {
+    if (fallback.id != id) continue;
+    return failure(ResultCode::kChecksumWrong,
+                   "%s: expected version %u whole, found it damaged on the disk; upload it again, or roll back to an "
+                   "older version",
+                   item_text(id).c_str(), fallback.damaged);
+  }
   if (!store_.current(id)) return missing(id);
   auto version = store_.get(id);
   if (!version) return std::unexpected(version.error());

@@ -49,6 +49,8 @@ class FileSource : public ModelSource {
   const Settings& settings_;
 };
 
+// An item whose newest version was damaged on the disk is not there, though an older one is: with the calibration of
+// before the camera was moved every pose would be wrong. Error: kChecksumWrong, until it is uploaded or rolled back.
 class StoreSource : public ModelSource {
  public:
   explicit StoreSource(const service::Store& store) : store_(store) {}

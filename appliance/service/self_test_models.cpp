@@ -15,7 +15,7 @@ Check check_store(const StoreFound& store) {
   if (store.damaged.empty()) return good(kName, "%d item%s", store.items, store.items == 1 ? "" : "s");
   return not_good(Verdict::kFailed, kName, store.damaged,
                   "the newest version was damaged on the disk; it was set aside",
-                  "upload it again, and check the disk; an older version is in use until then");
+                  "upload it again or roll back, and check the disk; the item is not used until then");
 }
 
 Check check_calibration(const CalibrationFound& calibration) {

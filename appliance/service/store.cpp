@@ -201,8 +201,9 @@ Result<Version> Store::get(const ItemId& id, std::optional<std::uint32_t> versio
 Result<std::uint32_t> Store::previous(const ItemId& id) const {
   const std::scoped_lock hold(state_->mutex);
   if (const ItemFolder* item = state_->find(id); item != nullptr && item->newest() != nullptr) {
+    const bool fell_back = item->damaged_newest().has_value();
     for (auto info = item->versions().rbegin(); info != item->versions().rend(); ++info) {
-      if (!info->removed && info->version != item->newest()->version) return info->version;
+      if (!info->removed && (fell_back || info->version != item->newest()->version)) return info->version;
     }
   }
   return failure(ResultCode::kFileNotFound, "%s: expected an older version to go back to, found none",
@@ -224,7 +225,7 @@ Result<VersionInfo> Store::put(const ItemId& id, std::string_view bytes, const s
   const std::scoped_lock hold(state_->mutex);
   const ItemFolder* item = state_->find(id);
   const VersionInfo* newest = item == nullptr ? nullptr : item->newest();
-  if (newest != nullptr && !newest->removed) {
+  if (newest != nullptr && !newest->removed && !item->damaged_newest()) {
     // Compared with what the disk holds: a version that was damaged meanwhile is no reason not to write.
     const Result<Version> there = state_->read(id, newest->version);
     if (there && there->bytes == bytes) return *newest;

@@ -71,10 +71,12 @@ class Store {
   [[nodiscard]] Result<Version> get(const ItemId& id, std::optional<std::uint32_t> version = {}) const;
 
   // The version that a rollback goes to which names none: the newest before the current one that has bytes; for a
-  // removed item its newest. A rollback is get() of it, judged, and put() of its bytes. Error: kFileNotFound.
+  // removed item its newest, and for one whose newest was damaged the current one. A rollback is get() of it, judged,
+  // and put() of its bytes. Error: kFileNotFound.
   [[nodiscard]] Result<std::uint32_t> previous(const ItemId& id) const;
 
-  // The same bytes as the current version's make no new version: its own info comes back. Errors: kFileNotWritten,
+  // The same bytes as the current version's make no new version, its own info comes back; but for one that is current
+  // because the newest was damaged. Errors: kFileNotWritten,
   // kUsage (name), kLimitExceeded (bytes, items); then nothing has changed.
   Result<VersionInfo> put(const ItemId& id, std::string_view bytes, const std::string& by,
                           const std::string& origin = "upload");
