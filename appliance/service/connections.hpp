@@ -3,6 +3,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -23,11 +24,13 @@ struct Connection {
     kAnswered,
   };
 
+  static constexpr std::int64_t kNever_us = std::numeric_limits<std::int64_t>::max();
+
   MHD_Connection* handle = nullptr;  // null: the place is free
   int fd = -1;
   ClientAddress from;
   std::uint64_t requests = 0;
-  std::int64_t overdue_us = 0;  // when it is cut off
+  std::int64_t overdue_us = 0;  // when it is cut off; kNever_us: it was
 
   // The request that is under way; its names stay valid until it is answered.
   std::atomic<Stage> stage{Stage::kHead};

@@ -1,8 +1,18 @@
 #include "service/service_log.hpp"
 
+#include <algorithm>
 #include <utility>
 
+#include "contract_io/file_io.hpp"
+
 namespace beltpick::service {
+
+std::string for_log(std::string_view text) {
+  std::string line = contract_io::one_line(text);
+  std::replace_if(
+      line.begin(), line.end(), [](char c) { return static_cast<unsigned char>(c) >= 0x80; }, '?');
+  return line;
+}
 
 void RefusalLog::write(const std::string& line, std::int64_t now_us) {
   settle(now_us);

@@ -5,8 +5,12 @@
 #include <functional>
 #include <mutex>
 #include <string>
+#include <string_view>
 
 namespace beltpick::service {
+
+// Of what a client sent, that which a log can bear: one line of ASCII.
+std::string for_log(std::string_view text);
 
 using LogLine = std::function<void(bool warning, const std::string& line)>;
 

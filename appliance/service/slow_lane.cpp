@@ -6,12 +6,14 @@
 #include <sys/syscall.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
 #include <utility>
 
 namespace beltpick::service {
 namespace {
 
+constexpr int kBelow = 19;  // the rest of the process
 constexpr int kLowest = 19;
 constexpr std::chrono::milliseconds kBeat{200};
 
@@ -21,7 +23,8 @@ void lower_priority(const char* thread_name) {
   pthread_setname_np(pthread_self(), thread_name);
   const sched_param none{};  // a real-time priority is inherited from whoever started the thread
   pthread_setschedparam(pthread_self(), SCHED_BATCH, &none);
-  setpriority(PRIO_PROCESS, static_cast<id_t>(syscall(SYS_gettid)), kLowest);
+  const auto thread = static_cast<id_t>(syscall(SYS_gettid));
+  setpriority(PRIO_PROCESS, thread, std::min(kLowest, getpriority(PRIO_PROCESS, thread) + kBelow));
 }
 
 SlowLane::SlowLane(std::function<void()> beat) : beat_(std::move(beat)), thread_([this] { run(); }) {}

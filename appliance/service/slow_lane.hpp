@@ -36,7 +36,8 @@ class SlowLane {
   std::thread thread_;
 };
 
-// Ordinary scheduling at the lowest priority: nothing the service does may delay a cycle. For the calling thread.
+// Ordinary scheduling, nineteen steps of niceness below the rest of the process: nothing the service does may delay a
+// cycle. For the calling thread.
 void lower_priority(const char* thread_name);
 
 }  // namespace beltpick::service
