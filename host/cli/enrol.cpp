@@ -139,6 +139,7 @@ Result<void> run(const EnrolCommand& command, Session& session) {
   if (!appliances) return std::unexpected(appliances.error());
   const auto key = trusted_key(command, *address, *appliances, session);
   if (!key) return std::unexpected(key.error());
+  if (auto ready = appliances->prepare(); !ready) return ready;
   auto known = introduce(command, *address, *key);
   if (!known) return std::unexpected(known.error());
   known->enrolled_utc = now_utc();

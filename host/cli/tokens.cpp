@@ -52,8 +52,10 @@ Result<void> make(link::Appliance& appliance, const TokensCommand& command, Sess
   const auto answer =
       ask(appliance, ApiAction::kMakeToken, {}, Json{{"name", command.name}, {"role", command.role}}.dump());
   if (!answer) return std::unexpected(answer.error());
-  if (auto written = link::write_private_file(command.out, words_at(*answer, "/token") + "\n"); !written)
+  if (auto written = link::write_private_file(command.out, words_at(*answer, "/token") + "\n"); !written) {
+    (void)ask(appliance, ApiAction::kRevokeToken, {{}, command.name, {}});  // nobody has it
     return written;
+  }
   session.answer({{"name", command.name}, {"role", command.role}, {"file", command.out}},
                  command.out + ": token of " + command.name + ", " + command.role + "; it is shown nowhere else\n");
   return {};

@@ -69,6 +69,8 @@ Result<KnownAppliance> KnownAppliances::find(const Address& address) const {
       address.text().c_str(), address.text().c_str());
 }
 
+Result<void> KnownAppliances::prepare() const { return prepare_private_folder(folder_); }
+
 Result<void> KnownAppliances::keep(const KnownAppliance& appliance) const {
   contract_io::Json json{{"format", kFormat},
                          {"version", kVersion},

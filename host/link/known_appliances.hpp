@@ -29,6 +29,8 @@ class KnownAppliances {
   [[nodiscard]] std::filesystem::path file(const Address& address) const;
   // Errors: kNotEnrolled; kFileUnreadable, also where others may read the file; those of a malformed file.
   [[nodiscard]] Result<KnownAppliance> find(const Address& address) const;
+  // Sees that keep() can write: a one-time token works once. Error: kFileNotWritten.
+  [[nodiscard]] Result<void> prepare() const;
   // Error: kFileNotWritten.
   [[nodiscard]] Result<void> keep(const KnownAppliance& appliance) const;
 

@@ -73,6 +73,12 @@ Result<std::string> read_private_file(const std::filesystem::path& path) {
   return contract_io::read_file(path, kMaxBytes);
 }
 
+Result<void> prepare_private_folder(const std::filesystem::path& folder) {
+  if (auto made = make_private_folder(folder); !made) return made;
+  if (access(folder.c_str(), W_OK | X_OK) == 0) return {};
+  return not_written(folder, errno);
+}
+
 Result<void> write_private_file(const std::filesystem::path& path, std::string_view bytes) {
   if (auto made = make_private_folder(path.parent_path()); !made) return made;
   const std::filesystem::path part = path.string() + ".part" + std::to_string(getpid());

@@ -17,4 +17,8 @@ Result<std::string> read_private_file(const std::filesystem::path& path);
 // 700. Error: kFileNotWritten.
 Result<void> write_private_file(const std::filesystem::path& path, std::string_view bytes);
 
+// Makes the folder that a private file is to stand in, before what cannot be undone. Error: kFileNotWritten, also where
+// nothing can be written into it.
+Result<void> prepare_private_folder(const std::filesystem::path& folder);
+
 }  // namespace beltpick::link

@@ -67,6 +67,9 @@ def enrolment(stage):
     user.run("enrol", *to, stdin="wrong\n", code=1, says="[NOT_AUTHORIZED]")
     user.run("enrol", *to, "--name", "a/b", code=2, says="--name")
     user.run("enrol", "--to", "127.0.0.1:1", stdin="x", code=1, says="[SERVICE_UNREACHABLE]")
+    nowhere = User(stage.program, stage.work / "nowhere")
+    (nowhere.folder / "beltpick").write_text("a file where a folder should be")
+    nowhere.run("enrol", *to, stdin=token + "\n", code=1, says="[FILE_NOT_WRITTEN]")
     expect("kept before", user.kept(stage.server.port).exists(), False)
     answer = user.json("enrol", *to, "--name", "anna", stdin=token + "\n", says="taken at first contact")
     expect("name and role", (answer["name"], answer["role"], answer["fingerprint"]),
@@ -207,6 +210,10 @@ def roles(stage):
     expect("mode of the token", token.stat().st_mode & 0o777, 0o600)
     stage.user.run("tokens", "make", "otto", "--out", token, *to, code=2, says="revoke it first")
     stage.user.run("tokens", "make", "otto", *to, code=2, says="--out")
+    stage.user.run("tokens", "make", "lost", "--out", stage.cell / "recipe.json" / "x", *to, code=1,
+                   says="[FILE_NOT_WRITTEN]")
+    if "lost" in stage.user.run("tokens", "list", *to):
+        sys.exit("a token that could not be written is still good")
     stage.user.run("tokens", "make", "o", "--role", "king", "--out", token, *to, code=2)
     otto = User(stage.program, stage.work / "otto")
     expect("role", otto.json("enrol", *to, "--access-token", token)["role"], "viewer")
