@@ -26,12 +26,17 @@ void visit_settings(Settings& s, Visitor& visit) {
   visit.text("trigger.tty", s.trigger_tty, "its serial device");
   visit.number("trigger.strobe_tolerance_us", s.strobe_tolerance_us, 10, 1e5,
                "the camera's strobe may lag its pulse by");
-  visit.table("model", "What to look for and where; paths count from the folder of this file");
+  visit.table("model",
+              "What to look for and where; paths count from the folder of this file. With service.state these files "
+              "only fill a "
+              "store that lacks them; then what is uploaded counts");
   visit.text("model.calibration", s.calibration, "calibration.json of camera and projector");
   visit.text("model.cell", s.cell,
              "cell.json: belt and robot seen from the camera; empty: poses in the camera's frame");
   visit.texts("model.recipes", s.recipes, "recipe files");
-  visit.integer("model.recipe", s.recipe, 0, 65535, "number of the recipe active at start; 0: the first one");
+  visit.integer("model.recipe", s.recipe, 0, 65535,
+                "number of the recipe active at the first start, 0: the first one; with service.state later the one "
+                "selected last");
   visit.choice("model.projector_layout", s.projector_layout, {{"square", "diamond"}}, "the projector's lattice");
   visit.table("cycle", "The cell's cycle");
   visit.integer("cycle.settle_ms", s.settle_ms, 0, 60000, "belt held and robot clear for so long before a capture");

@@ -1,6 +1,7 @@
 #include "live_cell.hpp"
 
 #include <arpa/inet.h>
+#include <pthread.h>
 #include <signal.h>
 #include <spawn.h>
 #include <sys/socket.h>
@@ -114,6 +115,28 @@ beltpick::app::Settings settings_for(const fs::path& run, std::uint16_t plc_port
   settings.limits.image_width = 640;
   settings.limits.image_height = 480;
   return settings;
+}
+
+RunningAppliance::RunningAppliance(const beltpick::app::Settings& settings) : appliance_(settings, log_) {
+  sigset_t term;
+  sigemptyset(&term);
+  sigaddset(&term, SIGTERM);
+  pthread_sigmask(SIG_BLOCK, &term, nullptr);
+  const auto opened = appliance_.open_state(beltpick::app::Appliance::State::kKeep);
+  INFO((opened ? "" : opened.error().detail));
+  REQUIRE(opened);
+  const auto loaded = appliance_.load();
+  INFO((loaded ? "" : loaded.error().detail));
+  REQUIRE(loaded);
+  supervisor_ = std::thread([this] { exit_code_ = appliance_.run().value_or(-2); });
+  pthread_setname_np(supervisor_.native_handle(), "supervisor");
+  pthread_setname_np(pthread_self(), "test");
+}
+
+int RunningAppliance::stop() {
+  kill(getpid(), SIGTERM);
+  supervisor_.join();
+  return exit_code_;
 }
 
 bool wait_for_cycles(const beltpick::app::Appliance& appliance, int cycles, double patience_s) {

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "app/appliance.hpp"
@@ -37,6 +38,24 @@ class VirtualCell {
 
 std::filesystem::path cell_folder();
 beltpick::app::Settings settings_for(const std::filesystem::path& run, std::uint16_t plc_port);
+
+// The appliance in this process, ended by SIGTERM as it always is.
+class RunningAppliance {
+ public:
+  explicit RunningAppliance(const beltpick::app::Settings& settings);
+
+  [[nodiscard]] const beltpick::app::Appliance& operator*() const { return appliance_; }
+  [[nodiscard]] const beltpick::app::RunBook& book() const { return appliance_.book(); }
+  // Its exit code.
+  int stop();
+
+ private:
+  beltpick::app::Log log_;
+  beltpick::app::Appliance appliance_;
+  int exit_code_ = -1;
+  std::thread supervisor_;
+};
+
 bool wait_for_cycles(const beltpick::app::Appliance& appliance, int cycles, double patience_s);
 
 // Prints what every thread took, and checks that the threads of the design live and took nothing.

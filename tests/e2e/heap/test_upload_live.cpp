@@ -2,8 +2,6 @@
 // fault, the threads of the design allocate nothing, what was offered with the old models is revoked, the new ones are
 // in use, and the robot picks on.
 #include <fcntl.h>
-#include <pthread.h>
-#include <signal.h>
 #include <stdlib.h>
 #include <unistd.h>
 
@@ -133,6 +131,43 @@ void enrol(const Engineer& engineer, const fs::path& state) {
   REQUIRE(outcome.exit_code == 0);
 }
 
+// Told whenever the halves have changed places.
+const std::string kChanged = "recipe 1 'knuckles";
+
+void upload_what_is_not_in_use(const Engineer& engineer, const Variants& files, const CaughtLog& log) {
+  const int at_start = log.count(kChanged);
+  engineer.upload("template", files.part(0, "idle"));
+  engineer.upload("recipe", files.idle_recipe());
+  engineer.upload("template", files.part(1, "idle"));
+  std::this_thread::sleep_for(std::chrono::seconds(1));
+  CHECK(log.count("MODEL_CHANGED") == 0);
+  CHECK(log.count(kChanged) == at_start);
+}
+
+// Whether each came into use.
+bool upload_what_is_in_use(const Engineer& engineer, Variants& files) {
+  bool used = true;
+  for (int round = 1; round <= kRounds; ++round) {
+    engineer.upload("template", files.part(round));
+    used = used && engineer.wait_in_use("template", round + 1, 20);
+    engineer.upload("calibration", files.calibration(round));
+    used = used && engineer.wait_in_use("calibration", round + 1, 20);
+    engineer.upload("recipe", files.recipe(round));
+    used = used && engineer.wait_in_use("recipe", round + 1, 20);
+  }
+  return used;
+}
+
+void check_report(const nlohmann::json& report, const app::RunBook::Totals& totals) {
+  REQUIRE(report.is_object());
+  CHECK(report["finished"] == true);
+  CHECK(report["crashes"] == 0);
+  CHECK(report["unsafe"] == 0);
+  CHECK(report["picked"].get<int>() + report["tray"].get<int>() == report["parts"].get<int>());
+  CHECK(report["picked"].get<int>() * 10 >= report["parts"].get<int>() * 9);
+  CHECK(report["cycles"].get<int>() == totals.cycles);  // none was begun anew
+}
+
 }  // namespace
 
 TEST_CASE("uploads while the belt runs lose no cycle and allocate nothing where nothing may", "[upload]") {
@@ -145,75 +180,39 @@ TEST_CASE("uploads while the belt runs lose no cycle and allocate nothing where 
   settings.state = run / "state";
   settings.service_port = service_port;
 
-  sigset_t term;
-  sigemptyset(&term);
-  sigaddset(&term, SIGTERM);
-  pthread_sigmask(SIG_BLOCK, &term, nullptr);
-  const CaughtLog log_file(run / "log");
-  app::Log log;
-  app::Appliance appliance(settings, log);
-  const auto opened = appliance.open_state(app::Appliance::State::kKeep);
-  INFO((opened ? "" : opened.error().detail));
-  REQUIRE(opened);
-  REQUIRE(appliance.load());
-  int exit_code = -1;
-  std::thread supervisor([&] { exit_code = appliance.run().value_or(-2); });
-  pthread_setname_np(supervisor.native_handle(), "supervisor");
-  pthread_setname_np(pthread_self(), "test");
+  const CaughtLog log(run / "log");
+  live::RunningAppliance appliance(settings);
 
   const Engineer engineer{"127.0.0.1:" + std::to_string(service_port)};
   enrol(engineer, settings.state);
   Variants files{run / "files", {}};
-  const bool began = live::wait_for_cycles(appliance, 2, 60);
-  const std::string changed = "recipe 1 'knuckles";  // told whenever the halves have changed places
-  const int at_start = log_file.count(changed);
+  const bool began = live::wait_for_cycles(*appliance, 2, 60);
+  const int at_start = log.count(kChanged);
   heap::start();
 
-  // What is not in use disturbs nothing.
-  engineer.upload("template", files.part(0, "idle"));
-  engineer.upload("recipe", files.idle_recipe());
-  engineer.upload("template", files.part(1, "idle"));
-  std::this_thread::sleep_for(std::chrono::seconds(1));
-  CHECK(log_file.count("MODEL_CHANGED") == 0);
-  CHECK(log_file.count(changed) == at_start);
-
-  bool used = true;
-  for (int round = 1; round <= kRounds; ++round) {
-    engineer.upload("template", files.part(round));
-    used = used && engineer.wait_in_use("template", round + 1, 20);
-    engineer.upload("calibration", files.calibration(round));
-    used = used && engineer.wait_in_use("calibration", round + 1, 20);
-    engineer.upload("recipe", files.recipe(round));
-    used = used && engineer.wait_in_use("recipe", round + 1, 20);
-  }
+  upload_what_is_not_in_use(engineer, files, log);
+  const bool used = upload_what_is_in_use(engineer, files);
   const int cycles_then = appliance.book().counts().cycles;
-  CHECK(live::wait_for_cycles(appliance, cycles_then + 2, 60));
+  CHECK(live::wait_for_cycles(*appliance, cycles_then + 2, 60));
   heap::stop();
   const auto counts = heap::counts();
 
   const auto report = world.wait_report(120);
   const app::RunBook::Totals totals = appliance.book().totals();
-  kill(getpid(), SIGTERM);
-  supervisor.join();
-  const std::string told = log_file.text();
+  const int exit_code = appliance.stop();
+  const std::string told = log.text();
   INFO(told.substr(told.size() - std::min<std::size_t>(told.size(), 6000)));
   CHECK(exit_code == 0);
   CHECK(began);
   CHECK(used);
-  CHECK(log_file.count("offer revoked: 122 MODEL_CHANGED") > 0);
-  CHECK(log_file.count(changed) - at_start == 3 * kRounds);
+  CHECK(log.count("offer revoked: 122 MODEL_CHANGED") > 0);
+  CHECK(log.count(kChanged) - at_start == 3 * kRounds);
   CHECK(totals.faults.empty());
 
-  REQUIRE(report.is_object());
-  CHECK(report["finished"] == true);
-  CHECK(report["crashes"] == 0);
-  CHECK(report["unsafe"] == 0);
-  CHECK(report["picked"].get<int>() + report["tray"].get<int>() == report["parts"].get<int>());
-  CHECK(report["picked"].get<int>() * 10 >= report["parts"].get<int>() * 9);
-  CHECK(report["cycles"].get<int>() == totals.cycles);  // none was begun anew
+  check_report(report, totals);
   live::check_counted_threads(counts);
   std::printf("  %d cycles, %d captures, %d uploads in use, %d offers revoked for them, picked %d of %d\n",
-              totals.cycles, totals.captures, 3 * kRounds, log_file.count("offer revoked: 122 MODEL_CHANGED"),
+              totals.cycles, totals.captures, 3 * kRounds, log.count("offer revoked: 122 MODEL_CHANGED"),
               report["picked"].get<int>(), report["parts"].get<int>());
   fs::remove_all(run);
 }
