@@ -117,11 +117,14 @@ beltpick::app::Settings settings_for(const fs::path& run, std::uint16_t plc_port
   return settings;
 }
 
-RunningAppliance::RunningAppliance(const beltpick::app::Settings& settings) : appliance_(settings, log_) {
+RunningAppliance::TermBlocked::TermBlocked() {
   sigset_t term;
   sigemptyset(&term);
   sigaddset(&term, SIGTERM);
   pthread_sigmask(SIG_BLOCK, &term, nullptr);
+}
+
+RunningAppliance::RunningAppliance(const beltpick::app::Settings& settings) : appliance_(settings, log_) {
   const auto opened = appliance_.open_state(beltpick::app::Appliance::State::kKeep);
   INFO((opened ? "" : opened.error().detail));
   REQUIRE(opened);

@@ -50,6 +50,12 @@ class RunningAppliance {
   int stop();
 
  private:
+  // Before any thread is made, so that the supervisor alone gets the signal.
+  struct TermBlocked {
+    TermBlocked();
+  };
+
+  TermBlocked blocked_;
   beltpick::app::Log log_;
   beltpick::app::Appliance appliance_;
   int exit_code_ = -1;
