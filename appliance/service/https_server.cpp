@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <array>
+#include <csignal>
 #include <cstdarg>
 #include <cstdio>
 #include <cstring>
@@ -165,6 +166,10 @@ bool HttpsServer::stop(int patience_ms) {
 
 void HttpsServer::run() {
   lower_priority("https");
+  sigset_t broken_pipe;  // a client that is gone must not end the process
+  sigemptyset(&broken_pipe);
+  sigaddset(&broken_pipe, SIGPIPE);
+  pthread_sigmask(SIG_BLOCK, &broken_pipe, nullptr);
   const int epoll_fd = MHD_get_daemon_info(daemon_, MHD_DAEMON_INFO_EPOLL_FD)->epoll_fd;
   std::array<pollfd, 2> looked_at{{{epoll_fd, POLLIN, 0}, {wake_.get(), POLLIN, 0}}};
   while (!stop_) {
