@@ -102,8 +102,10 @@ class LiveCell:
             self.daemon = subprocess.Popen([bin_folder / "beltpickd", "--config", run / "beltpickd.toml"], stderr=log)
         self.wait_for(run / "state" / "tls" / "certificate.pem")
         self.wait_for(run / "state" / "one_time_token")
-        give_up = time.monotonic() + 60
-        while "capturing -> processing" not in self.log() and time.monotonic() < give_up:
+        give_up = time.monotonic() + 180
+        while "capturing -> processing" not in self.log():
+            if time.monotonic() > give_up:
+                sys.exit(f"no parts came into view; see {self.run}/beltpickd.log")
             time.sleep(0.02)
         self.handover.cut()
 
