@@ -379,8 +379,8 @@ Attempt PoseFinder::decide(const Context& context) {
     Candidate champion = candidate;
     finish(context, champion);
     const bool first = finished++ == 0;
-    const bool itself = !explore(context, champion);
-    const auto verdict = trial(context, champion, itself ? i : kNoIndex);
+    auto verdict = trial(context, champion, i);
+    if (verdict && explore(context, champion)) verdict = trial(context, champion, kNoIndex);
     if (verdict || first || verdict.error().code == ResultCode::kPoseAmbiguous) {
       attempt.best = champion;
       attempt.verified = verdict.has_value();
@@ -392,12 +392,13 @@ Attempt PoseFinder::decide(const Context& context) {
 }
 
 // Looks for other poses along the freedom that is held least: few points may hold it, and wrongly. Those found become
-// candidates; a stronger one takes the champion's place. Returns whether one did.
+// candidates; the strongest of all is the champion. Returns whether any was found.
 bool PoseFinder::explore(const Context& context, Candidate& champion) {
   const PartModel& model = context.models[static_cast<std::size_t>(champion.model_index)];
   const auto freedom = loosest_freedom(champion, model);
   if (!freedom) return false;
   const Candidate before = champion;
+  const int candidates_before = candidate_count_;
   for (const double rim_mm : kExplored_mm) {
     if (candidate_count_ == kMaxCandidates) break;
     Candidate other = before;
@@ -408,7 +409,7 @@ bool PoseFinder::explore(const Context& context, Candidate& champion) {
     candidates_[static_cast<std::size_t>(candidate_count_++)] = other;
     if (other.strength > champion.strength) champion = other;
   }
-  return champion.strength > before.strength;
+  return candidate_count_ > candidates_before;
 }
 
 Result<void> PoseFinder::trial(const Context& context, const Candidate& champion, int index) {
