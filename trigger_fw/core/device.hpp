@@ -10,8 +10,8 @@ namespace core {
 class Device {
  public:
   // `inputs`: protocol::InputBit as the pins read at start.
-  Device(const protocol::Identity& identity, uint8_t inputs, uint32_t now_us)
-      : identity_(identity), sequencer_(inputs, now_us) {}
+  Device(const protocol::Identity& identity, uint8_t inputs, uint32_t now_us, const BoardTiming& board = BoardTiming())
+      : identity_(identity), sequencer_(inputs, now_us, board) {}
 
   Sequencer& sequencer() { return sequencer_; }
   const Sequencer& sequencer() const { return sequencer_; }

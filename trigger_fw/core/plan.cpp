@@ -10,10 +10,13 @@ using protocol::Refusal;
 namespace {
 
 // Each time alone is bounded first, so that the sums below cannot wrap.
-Refusal judge_group(const Group& group, uint32_t tolerance_us) {
+Refusal judge_group(const Group& group, uint32_t tolerance_us, const BoardTiming& board) {
   if (group.frames == 0) return Refusal::kNoFrames;
+  if (group.period_us < board.min_period_us) return Refusal::kPeriodTooShort;
   if (group.period_us > protocol::kMaxPeriod_us) return Refusal::kPeriodTooLong;
-  if (group.exposure_us == 0 || group.exposure_us > protocol::kMaxPeriod_us) return Refusal::kExposureOutOfRange;
+  if (group.exposure_us < board.min_exposure_us || group.exposure_us > protocol::kMaxPeriod_us) {
+    return Refusal::kExposureOutOfRange;
+  }
   if (group.settle_us < protocol::kAdvancePulse_us) return Refusal::kSettleTooShort;
   const bool each_fits =
       group.settle_us <= group.period_us && group.readout_us <= group.period_us && tolerance_us <= group.period_us;
@@ -36,13 +39,13 @@ bool same_group(const Group& a, const Group& b) {
 
 }  // namespace
 
-Refusal judge(const Arm& arm) {
+Refusal judge(const Arm& arm, const BoardTiming& board) {
   if (arm.group_count == 0) return Refusal::kNoFrames;
   if (arm.group_count > protocol::kMaxGroups) return Refusal::kTooManyGroups;
   if (arm.host_silence_ms == 0) return Refusal::kMalformed;
   uint16_t frames_left = protocol::kMaxFrames;
   for (uint8_t i = 0; i < arm.group_count; ++i) {
-    const Refusal refusal = judge_group(arm.groups[i], arm.strobe_tolerance_us);
+    const Refusal refusal = judge_group(arm.groups[i], arm.strobe_tolerance_us, board);
     if (refusal != Refusal::kNone) return refusal;
     if (arm.groups[i].frames > frames_left) return Refusal::kTooManyFrames;
     frames_left = static_cast<uint16_t>(frames_left - arm.groups[i].frames);

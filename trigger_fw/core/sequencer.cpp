@@ -11,7 +11,8 @@ namespace {
 bool before(uint32_t a_us, uint32_t b_us) { return static_cast<int32_t>(a_us - b_us) < 0; }
 }  // namespace
 
-Sequencer::Sequencer(uint8_t inputs, uint32_t now_us) : inputs_(inputs), inputs_us_(now_us), host_spoke_us_(now_us) {
+Sequencer::Sequencer(uint8_t inputs, uint32_t now_us, const BoardTiming& board)
+    : board_(board), inputs_(inputs), inputs_us_(now_us), host_spoke_us_(now_us) {
   if ((inputs & protocol::kInputEmergencyStop) != 0) raise(Fault::kEmergencyStop);
 }
 
@@ -21,7 +22,7 @@ Refusal Sequencer::arm(const protocol::Arm& arm) {
   if (state_ == State::kArmed && same) return same_sequence(plan_, arm) ? Refusal::kNone : Refusal::kArmIdUsed;
   if (state_ == State::kRunning) return Refusal::kSequenceRunning;
   if (same || arm.arm_id == 0) return Refusal::kArmIdUsed;
-  const Refusal refusal = judge(arm);
+  const Refusal refusal = judge(arm, board_);
   if (refusal != Refusal::kNone) return refusal;
   plan_ = arm;
   frames_done_ = 0;
@@ -38,10 +39,11 @@ Refusal Sequencer::start(uint16_t arm_id, uint32_t now_us) {
   if (strobe_level_) return Refusal::kStrobeActive;
   state_ = State::kRunning;
   outputs_.busy = true;
-  start_us_ = now_us;
+  start_us_ = now_us + board_.start_lead_us;
   host_spoke_us_ = now_us;
-  cursor_.restart();
-  begin_frame(now_us);
+  strobe_ = Strobe::kNotDue;
+  walk_.start(start_us_);
+  on_time(now_us);
   return Refusal::kNone;
 }
 
@@ -70,7 +72,7 @@ void Sequencer::on_time(uint32_t now_us) {
       raise(Fault::kHostSilent);
     } else if (awaited == Awaited::kStrobe) {
       raise(strobe_ == Strobe::kAwaited ? Fault::kStrobeMissing : Fault::kStrobeTooLong);
-    } else if (now_us - at_us > kLateLimit_us) {
+    } else if (now_us - at_us > board_.late_limit_us) {
       raise(Fault::kTimerLate);
     } else {
       serve_edge(at_us);
@@ -81,7 +83,7 @@ void Sequencer::on_time(uint32_t now_us) {
 // At equal times the strobe goes first: its deadline belongs to the frame that an edge may end.
 Sequencer::Awaited Sequencer::earliest(uint32_t& at_us) const {
   Awaited awaited = Awaited::kEdge;
-  at_us = edge_us_;
+  at_us = walk_.at_us();
   const bool strobe_due = strobe_ == Strobe::kAwaited || strobe_ == Strobe::kActive;
   if (strobe_due && !before(at_us, strobe_deadline_us_)) {
     awaited = Awaited::kStrobe;
@@ -101,43 +103,32 @@ bool Sequencer::next_deadline(uint32_t& at_us) const {
   return true;
 }
 
-void Sequencer::begin_frame(uint32_t at_us) {
-  frame_start_us_ = at_us;
-  strobe_ = Strobe::kNotDue;
-  outputs_.projector = true;
-  phase_ = Phase::kAdvance;
-  edge_us_ = at_us + protocol::kAdvancePulse_us;
-}
-
-// Serves the output edge that is due at `at_us` and sets the next one.
+// Serves the output edge that is due at `at_us`.
 void Sequencer::serve_edge(uint32_t at_us) {
-  switch (phase_) {
-    case Phase::kAdvance:
-      outputs_.projector = false;
-      phase_ = Phase::kSettle;
-      edge_us_ = frame_start_us_ + timing().settle_us;
+  const Edge edge = walk_.edge();
+  walk_.pass(plan_);
+  switch (edge) {
+    case Edge::kFrameBegins:
+      frames_done_ = walk_.frame();
+      strobe_ = Strobe::kNotDue;
+      outputs_.projector = true;
       return;
-    case Phase::kSettle:
+    case Edge::kAdvanceFalls:
+      outputs_.projector = false;
+      return;
+    case Edge::kPulseRises:
       outputs_.camera = true;
       ++trigger_number_;
       pulse_us_ = at_us;
       strobe_ = Strobe::kAwaited;
       strobe_deadline_us_ = at_us + plan_.strobe_tolerance_us;
-      phase_ = Phase::kExpose;
-      edge_us_ = at_us + timing().exposure_us;
       return;
-    case Phase::kExpose:
+    case Edge::kPulseFalls:
       outputs_.camera = false;
-      phase_ = Phase::kReadout;
-      edge_us_ = frame_start_us_ + timing().period_us;
       return;
-    case Phase::kReadout:
+    case Edge::kSequenceEnds:
       ++frames_done_;
-      if (cursor_.advance(plan_)) {
-        begin_frame(at_us);
-      } else {
-        finish(at_us);
-      }
+      finish(at_us);
       return;
   }
 }
@@ -185,7 +176,7 @@ void Sequencer::strobe_fell(uint32_t now_us) {
   }
   protocol::FrameEvent& event = frames_[(frames_head_ + frames_count_++) % kFrameQueue];
   event.arm_id = plan_.arm_id;
-  event.frame = cursor_.frame();
+  event.frame = walk_.frame();
   event.trigger_number = trigger_number_;
   event.pulse_us = pulse_us_ - start_us_;
   event.strobe_us = strobe_start_us_ - start_us_;
@@ -205,10 +196,14 @@ void Sequencer::on_inputs(uint8_t inputs, uint32_t now_us) {
   }
 }
 
+void Sequencer::on_late_edge() {
+  if (state_ == State::kRunning) raise(Fault::kTimerLate);
+}
+
 // The first fault stays: what follows it is its consequence.
 void Sequencer::raise(Fault fault) {
   if (state_ == State::kFault) return;
-  fault_frame_ = state_ == State::kRunning ? cursor_.frame() : protocol::kNoFrame;
+  fault_frame_ = state_ == State::kRunning ? walk_.frame() : protocol::kNoFrame;
   fault_ = fault;
   state_ = State::kFault;
   outputs_ = Outputs();

@@ -6,7 +6,7 @@
 // applies outputs() and sets its timer to next_deadline().
 #pragma once
 
-#include "core/plan.hpp"
+#include "core/edge_walk.hpp"
 #include "protocol/messages.hpp"
 
 namespace beltpick {
@@ -20,17 +20,16 @@ struct Outputs {
   bool fault = false;
 };
 
-// An edge served later than this spoils the exposure or the pattern.
-constexpr uint32_t kLateLimit_us = 200;
-
 class Sequencer {
  public:
   // `inputs`: protocol::InputBit as the pins read at start. An emergency stop pressed then is a fault from the start.
-  Sequencer(uint8_t inputs, uint32_t now_us);
+  Sequencer(uint8_t inputs, uint32_t now_us, const BoardTiming& board = BoardTiming());
 
   // Requests, as PROTOCOL.md has them.
   protocol::Refusal arm(const protocol::Arm& arm);
   protocol::Refusal start(uint16_t arm_id, uint32_t now_us);
+  // The START pin: starts whatever is armed.
+  protocol::Refusal start_by_pin(uint32_t now_us) { return start(plan_.arm_id, now_us); }
   void abort();
   protocol::Refusal clear();
   void host_spoke(uint32_t now_us) { host_spoke_us_ = now_us; }
@@ -39,11 +38,18 @@ class Sequencer {
   void on_time(uint32_t now_us);
   void on_strobe(bool active, uint32_t now_us);
   void on_inputs(uint8_t inputs, uint32_t now_us);
+  // The board's timer could not drive an edge at its time.
+  void on_late_edge();
 
   // When on_time() is to be called next; false when nothing is awaited.
   bool next_deadline(uint32_t& at_us) const;
   Outputs outputs() const { return outputs_; }
   protocol::StatusReport status(uint32_t now_us) const;
+
+  // For a board whose timer drives the pins ahead: the sequence that runs, and when its first frame begins.
+  bool running() const { return state_ == protocol::State::kRunning; }
+  const protocol::Arm& plan() const { return plan_; }
+  uint32_t start_us() const { return start_us_; }
 
   // Events for the wire, each given once. False when there is none.
   bool take(protocol::FrameEvent& event);
@@ -52,19 +58,19 @@ class Sequencer {
   bool take(protocol::InputsEvent& event);
 
  private:
-  enum class Phase : uint8_t { kAdvance, kSettle, kExpose, kReadout };
   enum class Strobe : uint8_t { kNotDue, kAwaited, kActive, kEnded };
   enum class Awaited : uint8_t { kStrobe, kEdge, kHost };
   static constexpr uint8_t kFrameQueue = 4;
 
   Awaited earliest(uint32_t& at_us) const;
   void serve_edge(uint32_t at_us);
-  void begin_frame(uint32_t at_us);
   void finish(uint32_t at_us);
   void strobe_rose(uint32_t now_us);
   void strobe_fell(uint32_t now_us);
   void raise(protocol::Fault fault);
-  const protocol::Group& timing() const { return cursor_.timing(plan_); }
+  const protocol::Group& timing() const { return walk_.timing(plan_); }
+
+  BoardTiming board_;
 
   protocol::State state_ = protocol::State::kIdle;
   protocol::Fault fault_ = protocol::Fault::kNone;
@@ -72,13 +78,10 @@ class Sequencer {
   Outputs outputs_;
 
   protocol::Arm plan_;
-  FrameCursor cursor_;
-  Phase phase_ = Phase::kAdvance;
+  EdgeWalk walk_;
   uint16_t frames_done_ = 0;
   uint32_t trigger_number_ = 0;
   uint32_t start_us_ = 0;
-  uint32_t frame_start_us_ = 0;
-  uint32_t edge_us_ = 0;  // of the next output edge
 
   Strobe strobe_ = Strobe::kNotDue;
   bool strobe_level_ = false;

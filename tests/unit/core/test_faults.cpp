@@ -169,11 +169,11 @@ TEST_CASE("events that nobody takes are a fault before one is lost", "[faults]")
 TEST_CASE("an edge served too late is a fault, a little late is not and shifts nothing", "[faults]") {
   Bench bench;
   bench.arm_and_start(sequence(1, 5));
-  bench.sequencer.on_time(100 + core::kLateLimit_us);
+  bench.sequencer.on_time(100 + core::BoardTiming().late_limit_us);
   std::uint32_t next_us = 0;
   REQUIRE(bench.sequencer.next_deadline(next_us));
   CHECK(next_us == 1000);
-  bench.sequencer.on_time(1000 + core::kLateLimit_us + 1);
+  bench.sequencer.on_time(1000 + core::BoardTiming().late_limit_us + 1);
   check_fault(bench, Fault::kTimerLate, 0);
 }
 

@@ -37,6 +37,17 @@ TEST_CASE("each way a sequence cannot run has its own refusal", "[plan]") {
     arm.groups[0].exposure_us = 0xFFFFFFFF;
     CHECK(core::judge(arm) == Refusal::kExposureOutOfRange);
   }
+  SECTION("an exposure or a period shorter than the board's") {
+    core::BoardTiming board;
+    board.min_exposure_us = 8000;
+    board.min_period_us = 12500;
+    CHECK(core::judge(arm, board) == Refusal::kNone);
+    board.min_exposure_us = 8001;
+    CHECK(core::judge(arm, board) == Refusal::kExposureOutOfRange);
+    board.min_exposure_us = 8000;
+    board.min_period_us = 12501;
+    CHECK(core::judge(arm, board) == Refusal::kPeriodTooShort);
+  }
   SECTION("settle within the advance pulse") {
     arm.groups[0].settle_us = protocol::kAdvancePulse_us - 1;
     CHECK(core::judge(arm) == Refusal::kSettleTooShort);
