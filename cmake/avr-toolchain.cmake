@@ -3,8 +3,6 @@ set(CMAKE_SYSTEM_NAME Generic)
 set(CMAKE_SYSTEM_PROCESSOR avr)
 set(CMAKE_C_COMPILER avr-gcc)
 set(CMAKE_CXX_COMPILER avr-g++)
-set(CMAKE_TRY_COMPILE_TARGET_TYPE STATIC_LIBRARY)  # no board is chosen yet, so nothing can be linked
+set(CMAKE_TRY_COMPILE_TARGET_TYPE STATIC_LIBRARY)  # no board is chosen yet, so nothing can be linked: each board says -mmcu for itself
 
-set(BELTPICK_MCU atmega2560 CACHE STRING "Microcontroller, as for -mmcu=")
-set(CMAKE_C_FLAGS_INIT "-mmcu=${BELTPICK_MCU}")
-set(CMAKE_CXX_FLAGS_INIT "-mmcu=${BELTPICK_MCU} -fno-exceptions -fno-rtti -fno-threadsafe-statics -ffunction-sections -fdata-sections")
+set(CMAKE_CXX_FLAGS_INIT "-fno-exceptions -fno-rtti -fno-threadsafe-statics -ffunction-sections -fdata-sections")

@@ -32,7 +32,7 @@ Result<int> open_serial(const char* path) {
   ::cfmakeraw(&settings);
   settings.c_cflag |= CLOCAL | CREAD;
   settings.c_cflag &= ~static_cast<tcflag_t>(HUPCL | CRTSCTS);
-  ::cfsetspeed(&settings, B115200);
+  ::cfsetspeed(&settings, B500000);
   ::tcsetattr(fd, TCSANOW, &settings);
   ::tcflush(fd, TCIOFLUSH);
   return fd;

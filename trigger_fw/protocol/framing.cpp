@@ -3,21 +3,16 @@
 namespace beltpick {
 namespace protocol {
 
-namespace {
-
 uint16_t crc16_step(uint16_t crc, uint8_t byte) {
-  crc = static_cast<uint16_t>(crc ^ static_cast<uint16_t>(static_cast<uint16_t>(byte) << 8U));
-  for (uint8_t bit = 0; bit < 8; ++bit) {
-    const uint16_t shifted = static_cast<uint16_t>(crc << 1U);
-    crc = (crc & 0x8000U) != 0 ? static_cast<uint16_t>(shifted ^ 0x1021U) : shifted;
-  }
-  return crc;
+  // The eight shifts at once: what leaves the register comes back at the polynomial's bits 0, 5 and 12.
+  uint8_t leaving = static_cast<uint8_t>((crc >> 8U) ^ byte);
+  leaving = static_cast<uint8_t>(leaving ^ (leaving >> 4U));
+  const uint16_t wide = leaving;
+  return static_cast<uint16_t>((crc << 8U) ^ (wide << 12U) ^ (wide << 5U) ^ wide);
 }
 
-}  // namespace
-
 uint16_t crc16(const uint8_t* bytes, size_t count) {
-  uint16_t crc = 0xFFFF;
+  uint16_t crc = kCrcStart;
   for (size_t i = 0; i < count; ++i) crc = crc16_step(crc, bytes[i]);
   return crc;
 }

@@ -15,6 +15,8 @@ constexpr size_t kMaxFrame = kMaxMessage + kCrcBytes + 2;  // one code byte (bel
 static_assert(kMaxMessage + kCrcBytes < 254, "one COBS block");
 
 // CRC-16/CCITT-FALSE: polynomial 0x1021, start 0xFFFF, no reflection; "123456789" gives 0x29B1.
+constexpr uint16_t kCrcStart = 0xFFFF;
+uint16_t crc16_step(uint16_t crc, uint8_t byte);
 uint16_t crc16(const uint8_t* bytes, size_t count);
 
 // Writes the frame of a message to `out`; the number of bytes written, 0 when it does not fit.

@@ -37,6 +37,9 @@ enum class State : uint8_t { kIdle = 0, kArmed = 1, kRunning = 2, kDone = 3, kFa
 
 enum InputBit : uint8_t { kInputBeltStopped = 1U << 0U, kInputEmergencyStop = 1U << 1U };
 
+// As the microcontroller's MCUSR has them.
+enum ResetBit : uint8_t { kResetPowerOn = 1U, kResetExternal = 2U, kResetBrownOut = 4U, kResetWatchdog = 8U };
+
 constexpr uint16_t kNoFrame = 0xFFFF;  // a fault outside any frame
 constexpr uint8_t kMaxGroups = 8;
 constexpr uint16_t kMaxFrames = 512;
@@ -128,7 +131,11 @@ struct Identity {
   uint8_t firmware_patch = 0;
   uint8_t max_groups = kMaxGroups;
   uint16_t max_frames = kMaxFrames;
-  uint16_t tick_ns = 0;  // resolution of the edges
+  uint16_t tick_ns = 0;          // resolution of the edges
+  uint16_t min_exposure_us = 1;  // the shortest camera pulse
+  uint16_t min_period_us = 0;    // the shortest period
+  uint8_t reset_cause = 0;       // ResetBit: why the firmware started
+  uint16_t flash_crc = 0;        // CRC-16 of the program as it lies in the flash
 
   template <class Io>
   void fields(Io& io) {
@@ -139,6 +146,10 @@ struct Identity {
     io.u8(max_groups);
     io.u16(max_frames);
     io.u16(tick_ns);
+    io.u16(min_exposure_us);
+    io.u16(min_period_us);
+    io.u8(reset_cause);
+    io.u16(flash_crc);
   }
 };
 

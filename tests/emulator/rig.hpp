@@ -1,0 +1,103 @@
+// Rig: the emulated board with a camera that answers its pulses by strobes, and the host's end of its serial line.
+#pragma once
+
+#include <catch2/catch.hpp>
+#include <optional>
+#include <vector>
+
+#include "emulator/chip.hpp"
+#include "protocol/messages.hpp"
+
+namespace emulator {
+
+namespace protocol = beltpick::protocol;
+
+inline protocol::Arm sequence(std::uint16_t arm_id, std::uint16_t frames) {
+  protocol::Arm arm;
+  arm.arm_id = arm_id;
+  arm.host_silence_ms = 60000;
+  arm.strobe_tolerance_us = 200;
+  arm.group_count = 1;
+  arm.groups[0] = {frames, 1000, 8000, 12500, 4000};
+  return arm;
+}
+
+struct Message {
+  protocol::Header header;
+  std::vector<std::uint8_t> bytes;
+
+  template <class Payload>
+  Payload as() const {
+    Payload payload;
+    REQUIRE(protocol::decode_payload(bytes.data(), bytes.size(), payload));
+    return payload;
+  }
+};
+
+class Rig {
+ public:
+  explicit Rig(Mcu mcu);
+
+  Chip chip;
+  std::vector<PinEdge> edges;
+  bool strobes = true;  // the strobe wire is whole
+  std::uint64_t strobe_rise_delay = 20 * kCyclesPerUs;
+  std::uint64_t strobe_fall_delay = 25 * kCyclesPerUs;
+  std::vector<PinEdge> strobe_edges;  // as given to the board (the pin means nothing)
+  std::vector<Message> messages;      // all that came
+
+  template <class Payload>
+  void post(protocol::Type type, const Payload& payload) {
+    std::uint8_t wire[protocol::kMaxFrame];
+    const std::size_t size = protocol::encode(type, ++sequence_, payload, wire, sizeof wire);
+    chip.send({wire, wire + size});
+  }
+
+  // Sends a request and runs until its answer: within 100 ms.
+  template <class Payload>
+  Message ask(protocol::Type type, const Payload& payload) {
+    post(type, payload);
+    const std::size_t before = messages.size();
+    for (int ms = 0; ms < 400; ++ms) {
+      run_us(250);
+      for (std::size_t i = before; i < messages.size(); ++i) {
+        const bool reply = static_cast<std::uint8_t>(messages[i].header.type) < 0xA0;
+        if (reply && messages[i].header.sequence == sequence_) return messages[i];
+      }
+    }
+    FAIL("no reply");
+    return {};
+  }
+  template <class Payload>
+  protocol::Refusal request(protocol::Type type, const Payload& payload) {
+    return ask(type, payload).template as<protocol::Reply>().refusal;
+  }
+  protocol::StatusReport status() {
+    return ask(protocol::Type::kStatus, protocol::Empty()).as<protocol::StatusReport>();
+  }
+  void arm_and_start(const protocol::Arm& arm);
+
+  void run_us(std::uint64_t us);
+  template <class Event>
+  std::vector<Event> events(protocol::Type type) const {
+    std::vector<Event> found;
+    for (const Message& message : messages) {
+      if (message.header.type == type) found.push_back(message.as<Event>());
+    }
+    return found;
+  }
+  // Camera trigger, projector advance and BUSY are low.
+  bool safe() const { return !chip.level(Out::kCamera) && !chip.level(Out::kProjector) && !chip.level(Out::kBusy); }
+
+ private:
+  void on_edge(const PinEdge& edge);
+
+  protocol::FrameDecoder decoder_;
+  std::uint8_t sequence_ = 0;
+};
+
+// The largest distance of the edges from the armed sequence, in cycles, counted from the first advance; -1 when edges
+// are missing, or there are others.
+std::int64_t worst_deviation(const std::vector<PinEdge>& edges, const protocol::Arm& arm);
+
+}  // namespace emulator

@@ -1,0 +1,125 @@
+// The edges of the real firmware, to the clock cycle.
+#include <cstdio>
+
+#include "base/random.hpp"
+#include "emulator/rig.hpp"
+
+using namespace emulator;
+using protocol::Refusal;
+using protocol::State;
+using protocol::Type;
+
+namespace {
+constexpr std::int64_t kToleranceCycles = 4;
+}
+
+TEST_CASE("the firmware identifies itself, its board and its flash", "[emulator]") {
+  const Mcu mcu = GENERATE(Mcu::kAtmega2560, Mcu::kAtmega328p);
+  Rig rig(mcu);
+  const auto identity = rig.ask(Type::kIdentify, protocol::Empty()).as<protocol::Identity>();
+  CHECK(identity.board ==
+        (mcu == Mcu::kAtmega2560 ? protocol::BoardKind::kAtmega2560 : protocol::BoardKind::kAtmega328p));
+  CHECK(identity.tick_ns == 500);
+  CHECK(identity.min_exposure_us == 50);
+  CHECK(identity.min_period_us == 500);
+  CHECK(identity.flash_crc == rig.chip.flash_crc());
+  CHECK(rig.safe());
+}
+
+TEST_CASE("every edge of a 22-frame sequence comes at its cycle, and every strobe is measured", "[emulator]") {
+  Rig rig(GENERATE(Mcu::kAtmega2560, Mcu::kAtmega328p));
+  const auto arm = sequence(7, 22);
+  rig.arm_and_start(arm);
+  rig.run_us(22 * 12500 + 5000);
+  const std::int64_t worst = worst_deviation(rig.edges, arm);
+  std::printf("22 frames: worst edge %lld cycles off its plan, stack %zu bytes\n", static_cast<long long>(worst),
+              rig.chip.stack_bytes());
+  CHECK(worst >= 0);
+  CHECK(worst <= kToleranceCycles);
+  const auto frames = rig.events<protocol::FrameEvent>(Type::kFrameEvent);
+  REQUIRE(frames.size() == 22);
+  REQUIRE(rig.strobe_edges.size() == 44);
+  for (std::uint16_t i = 0; i < 22; ++i) {
+    CHECK(frames[i].frame == i);
+    CHECK(frames[i].trigger_number == i + 1U);
+    CHECK(frames[i].pulse_us == i * 12500U + 1000U);
+    CHECK(std::abs(static_cast<int>(frames[i].strobe_us - frames[i].pulse_us) - 20) <= 1);
+    const auto strobe_cycles = rig.strobe_edges[2 * i + 1].cycle - rig.strobe_edges[2 * i].cycle;
+    CHECK(std::abs(static_cast<int>(frames[i].strobe_length_us) - static_cast<int>(strobe_cycles / kCyclesPerUs)) <= 1);
+  }
+  const auto done = rig.events<protocol::DoneEvent>(Type::kDoneEvent);
+  REQUIRE(done.size() == 1);
+  CHECK(done[0].duration_us == 22 * 12500);
+  CHECK(rig.status().state == State::kDone);
+  CHECK(rig.chip.level(Out::kDone));
+  CHECK(rig.safe());
+}
+
+TEST_CASE("groups with other exposures, the shortest and the longest times, keep to the plan", "[emulator]") {
+  Rig rig(GENERATE(Mcu::kAtmega2560, Mcu::kAtmega328p));
+  auto arm = sequence(1, 3);
+  arm.group_count = 5;
+  arm.groups[0].readout_us = 3000;
+  arm.groups[1] = {4, 100, 50, 500, 20};           // the shortest pulse, advance and pulse edge at once
+  arm.groups[2] = {2, 20000, 40000, 100000, 100};  // longer than the timer's turn
+  arm.groups[3] = {1, 65636, 300, 70000, 100};
+  arm.groups[4] = {5, 500, 700, 1500, 500};
+  rig.arm_and_start(arm);
+  rig.run_us(450000);
+  CHECK(rig.status().fault == protocol::Fault::kNone);
+  const std::int64_t worst = worst_deviation(rig.edges, arm);
+  CHECK(worst >= 0);
+  CHECK(worst <= kToleranceCycles);
+}
+
+TEST_CASE("a long sequence under a full serial line keeps to its cycles without drift", "[emulator]") {
+  Rig rig(GENERATE(Mcu::kAtmega2560, Mcu::kAtmega328p));
+  auto arm = sequence(3, 500);
+  arm.groups[0] = {500, 300, 700, 1500, 700};
+  rig.arm_and_start(arm);
+  beltpick::Random random(5);
+  for (int i = 0; i < 380; ++i) {
+    // STATUS back to back, and now and then a byte of noise.
+    rig.post(Type::kStatus, protocol::Empty());
+    if (i % 7 == 0) rig.chip.send({static_cast<std::uint8_t>(random.below(256)), 0});
+    rig.run_us(2000);
+  }
+  INFO("fault " << static_cast<int>(rig.status().fault));
+  const std::int64_t worst = worst_deviation(rig.edges, arm);
+  std::printf("500 frames of 1.5 ms under a loaded line: worst edge %lld cycles off its plan\n",
+              static_cast<long long>(worst));
+  CHECK(worst >= 0);
+  CHECK(worst <= kToleranceCycles);
+  CHECK(rig.events<protocol::FrameEvent>(Type::kFrameEvent).size() == 500);
+}
+
+TEST_CASE("the START pin starts what is armed, once", "[emulator]") {
+  Rig rig(GENERATE(Mcu::kAtmega2560, Mcu::kAtmega328p));
+  REQUIRE(rig.request(Type::kArm, sequence(1, 2)) == Refusal::kNone);
+  rig.edges.clear();
+  rig.chip.set_pin(In::kStart, false);
+  rig.run_us(2000);
+  CHECK(rig.chip.level(Out::kBusy));
+  rig.chip.set_pin(In::kStart, true);
+  rig.chip.set_pin(In::kStart, false);
+  rig.run_us(30000);
+  CHECK(worst_deviation(rig.edges, sequence(1, 2)) >= 0);
+  CHECK(rig.status().state == State::kDone);
+}
+
+TEST_CASE("what the board cannot play is refused with its reason and moves no pin", "[emulator]") {
+  Rig rig(GENERATE(Mcu::kAtmega2560, Mcu::kAtmega328p));
+  auto arm = sequence(1, 2);
+  arm.groups[0].exposure_us = 49;
+  CHECK(rig.request(Type::kArm, arm) == Refusal::kExposureOutOfRange);
+  arm = sequence(1, 2);
+  arm.groups[0] = {2, 100, 50, 499, 20};
+  CHECK(rig.request(Type::kArm, arm) == Refusal::kPeriodTooShort);
+  arm = sequence(1, 2);
+  arm.groups[0].readout_us = 4501;
+  CHECK(rig.request(Type::kArm, arm) == Refusal::kPeriodTooShort);
+  arm.groups[0].period_us = protocol::kMaxPeriod_us + 1;
+  CHECK(rig.request(Type::kArm, arm) == Refusal::kPeriodTooLong);
+  CHECK(rig.request(Type::kStart, protocol::Start{1}) == Refusal::kNotArmed);
+  CHECK(rig.edges.empty());
+}

@@ -1,0 +1,153 @@
+// What goes wrong at the pins, and what the real firmware does about it: safe pins, the right fault, a way out.
+#include <algorithm>
+#include <cstdio>
+
+#include "base/random.hpp"
+#include "emulator/rig.hpp"
+
+using namespace emulator;
+using protocol::Fault;
+using protocol::Refusal;
+using protocol::State;
+using protocol::Type;
+
+namespace {
+
+void check_way_out(Rig& rig, std::uint16_t arm_id) {
+  CHECK(rig.safe());
+  CHECK(rig.chip.level(Out::kFault));
+  rig.chip.set_pin(In::kStrobe, false);
+  rig.strobes = true;
+  REQUIRE(rig.request(Type::kClear, protocol::Empty()) == Refusal::kNone);
+  rig.run_us(1000);
+  CHECK_FALSE(rig.chip.level(Out::kFault));
+  const auto arm = sequence(arm_id, 3);
+  rig.arm_and_start(arm);
+  rig.run_us(45000);
+  const std::int64_t worst = worst_deviation(rig.edges, arm);
+  CHECK(worst >= 0);
+  CHECK(worst <= 4);
+  CHECK(rig.status().state == State::kDone);
+}
+
+void check_fault(Rig& rig, Fault fault, std::uint16_t frame) {
+  const auto faults = rig.events<protocol::FaultEvent>(Type::kFaultEvent);
+  REQUIRE_FALSE(faults.empty());
+  CHECK(faults.back().fault == fault);
+  CHECK(faults.back().frame == frame);
+  CHECK(rig.status().fault == fault);
+}
+
+}  // namespace
+
+TEST_CASE("a strobe that stays away faults with its frame", "[emulator]") {
+  Rig rig(GENERATE(Mcu::kAtmega2560, Mcu::kAtmega328p));
+  rig.arm_and_start(sequence(1, 9));
+  rig.run_us(2 * 12500);
+  rig.strobes = false;
+  rig.run_us(12500);
+  check_fault(rig, Fault::kStrobeMissing, 2);
+  check_way_out(rig, 2);
+}
+
+TEST_CASE("a strobe line that sticks high faults as too long", "[emulator]") {
+  Rig rig(GENERATE(Mcu::kAtmega2560, Mcu::kAtmega328p));
+  rig.arm_and_start(sequence(1, 9));
+  rig.strobe_fall_delay = 300 * kCyclesPerUs;
+  rig.run_us(14000);
+  check_fault(rig, Fault::kStrobeTooLong, 0);
+  rig.strobe_fall_delay = 25 * kCyclesPerUs;
+  check_way_out(rig, 2);
+}
+
+TEST_CASE("a belt that moves ends the sequence", "[emulator]") {
+  Rig rig(GENERATE(Mcu::kAtmega2560, Mcu::kAtmega328p));
+  rig.arm_and_start(sequence(1, 9));
+  rig.run_us(12500 + 4000);
+  REQUIRE(rig.chip.level(Out::kCamera));
+  const std::uint64_t moved = rig.chip.cycle() + 1;
+  rig.chip.at(moved, [&rig] { rig.chip.set_pin(In::kBeltStopped, true); });
+  rig.run_us(3000);
+  CHECK(rig.safe());
+  const auto fall = std::find_if(rig.edges.begin(), rig.edges.end(),
+                                 [&](const PinEdge& e) { return e.pin == Out::kCamera && e.cycle > moved; });
+  REQUIRE(fall != rig.edges.end());
+  std::printf("belt moves: camera low after %llu cycles\n", static_cast<unsigned long long>(fall->cycle - moved));
+  CHECK(fall->cycle - moved < 1000 * kCyclesPerUs);
+  check_fault(rig, Fault::kBeltMoved, 1);
+  rig.chip.set_pin(In::kBeltStopped, false);
+  check_way_out(rig, 2);
+}
+
+TEST_CASE("emergency stop at random instants: outputs low within 10 us, and no further pulse", "[emulator]") {
+  Rig rig(GENERATE(Mcu::kAtmega2560, Mcu::kAtmega328p));
+  beltpick::Random random(11);
+  std::uint64_t worst = 0;
+  for (std::uint16_t round = 1; round <= 150; ++round) {
+    auto arm = sequence(round, 2);
+    arm.groups[0] = {2, 300, 700, 1500, 700};
+    rig.arm_and_start(arm);
+    rig.post(Type::kStatus, protocol::Empty());
+    // From before the first edge to behind the last one; pressed for an instant only, every other time.
+    const std::uint64_t at = rig.chip.cycle() + random.below(4500 * kCyclesPerUs);
+    const bool shortly = round % 2 == 0;
+    rig.chip.at(at, [&rig] { rig.chip.set_pin(In::kEmergencyStop, true); });
+    if (shortly) rig.chip.at(at + 30, [&rig] { rig.chip.set_pin(In::kEmergencyStop, false); });
+    rig.chip.run_until(at);
+    const bool low_before = rig.safe();
+    const std::size_t edges_before = rig.edges.size();
+    rig.run_us(10);
+    CHECK(rig.safe());
+    if (!shortly) {
+      for (std::size_t i = edges_before; i < rig.edges.size(); ++i) {
+        if (rig.edges[i].pin == Out::kFault || rig.edges[i].pin == Out::kDone) continue;
+        if (!low_before && !rig.edges[i].level) worst = std::max(worst, rig.edges[i].cycle - at);
+      }
+      const std::size_t edges_after = rig.edges.size();
+      rig.run_us(4000);
+      for (std::size_t i = edges_after; i < rig.edges.size(); ++i) CHECK_FALSE(rig.edges[i].level);
+      CHECK(rig.status().fault == Fault::kEmergencyStop);
+      CHECK(rig.request(Type::kClear, protocol::Empty()) == Refusal::kEmergencyStopPressed);
+    }
+    rig.chip.set_pin(In::kEmergencyStop, false);
+    rig.run_us(4000);
+    CHECK(rig.safe());
+    rig.chip.set_pin(In::kStrobe, false);
+    REQUIRE(rig.request(Type::kClear, protocol::Empty()) == Refusal::kNone);
+  }
+  std::printf("emergency stop: outputs low after at most %llu cycles\n", static_cast<unsigned long long>(worst));
+  CHECK(worst <= 160);
+}
+
+TEST_CASE("a host that falls silent ends the sequence", "[emulator]") {
+  Rig rig(Mcu::kAtmega328p);
+  auto arm = sequence(1, 30);
+  arm.host_silence_ms = 60;
+  rig.arm_and_start(arm);
+  rig.run_us(59000);
+  CHECK(rig.chip.level(Out::kBusy));
+  rig.run_us(4000);
+  CHECK(rig.safe());
+  rig.run_us(3000);
+  check_fault(rig, Fault::kHostSilent, 4);
+  check_way_out(rig, 2);
+}
+
+TEST_CASE("a main loop that hangs is reset by the watchdog, and tells so", "[emulator]") {
+  Rig rig(GENERATE(Mcu::kAtmega2560, Mcu::kAtmega328p));
+  rig.arm_and_start(sequence(1, 400));
+  rig.run_us(30000);
+  REQUIRE(rig.chip.resets() == 0);
+  rig.chip.hang();
+  const std::uint64_t hung = rig.chip.cycle();
+  while (rig.chip.resets() == 0 && rig.chip.cycle() - hung < 16'000'000) rig.run_us(1000);
+  REQUIRE(rig.chip.resets() == 1);
+  const auto until_reset_ms = (rig.chip.cycle() - hung) / kCyclesPerUs / 1000;
+  std::printf("hang to reset: %llu ms\n", static_cast<unsigned long long>(until_reset_ms));
+  CHECK(until_reset_ms <= 300);
+  rig.run_us(200000);
+  CHECK(rig.safe());
+  const auto identity = rig.ask(Type::kIdentify, protocol::Empty()).as<protocol::Identity>();
+  CHECK((identity.reset_cause & protocol::kResetWatchdog) != 0);
+  CHECK(rig.status().state == State::kIdle);
+}

@@ -1,0 +1,112 @@
+#include "inputs.hpp"
+
+#include <util/atomic.h>
+
+#include "clock.hpp"
+#include "player.hpp"
+
+namespace beltpick {
+namespace avr {
+
+namespace {
+
+constexpr uint8_t kStrobes = 8;
+volatile uint16_t strobe_ticks[kStrobes];
+volatile bool strobe_levels[kStrobes];
+volatile uint8_t strobe_head = 0;
+volatile uint8_t strobe_tail = 0;
+volatile bool strobe_level = false;
+
+volatile bool stop_pressed = false;
+volatile uint16_t stop_tick = 0;
+volatile bool start_fell = false;
+
+// Waits for the edge that ends this level. Turning the capture can itself look like an edge; that one finds no new
+// level.
+BELTPICK_INLINE void await_end_of(bool level) {
+  strobe_level = level;
+  if (level) {
+    EdgeTimer::control_b() &= static_cast<uint8_t>(~(1U << ICES1));
+  } else {
+    EdgeTimer::control_b() |= 1U << ICES1;
+  }
+}
+
+}  // namespace
+
+void start_inputs() {
+  StrobePin::release();
+  await_end_of(StrobePin::read());
+  EmergencyStopPin::pull_up();
+  StartPin::pull_up();
+  BeltStoppedPin::pull_up();
+  enable_input_interrupts();
+}
+
+bool next_strobe_edge(StrobeEdge& edge) {
+  if (strobe_head == strobe_tail) return false;
+  edge.level = strobe_levels[strobe_head];
+  edge.tick = strobe_ticks[strobe_head];
+  return true;
+}
+
+void drop_strobe_edge() { strobe_head = static_cast<uint8_t>((strobe_head + 1U) % kStrobes); }
+
+uint8_t read_inputs() {
+  uint8_t bits = 0;
+  if (!BeltStoppedPin::read()) bits |= protocol::kInputBeltStopped;
+  if (EmergencyStopPin::read()) bits |= protocol::kInputEmergencyStop;
+  return bits;
+}
+
+bool take_emergency_stop(uint16_t& tick) {
+  bool was;
+  ATOMIC_BLOCK(ATOMIC_RESTORESTATE) {
+    was = stop_pressed;
+    tick = stop_tick;
+    stop_pressed = false;
+  }
+  return was;
+}
+
+bool emergency_stop_waits() { return stop_pressed; }
+
+bool take_start() {
+  const bool was = start_fell;
+  start_fell = false;
+  return was;
+}
+
+}  // namespace avr
+}  // namespace beltpick
+
+ISR(BELTPICK_VECTOR_EMERGENCY_STOP) {
+  using namespace beltpick::avr;
+  trip_player();
+  BusyPin::clear();
+  FaultPin::set();
+  stop_tick = EdgeTimer::count();
+  stop_pressed = true;
+  work_waits = true;
+}
+
+ISR(BELTPICK_VECTOR_START) {
+  beltpick::avr::start_fell = true;
+  beltpick::avr::work_waits = true;
+}
+
+ISR(BELTPICK_VECTOR_BELT) { beltpick::avr::work_waits = true; }
+
+ISR(BELTPICK_VECTOR_CAPTURE) {
+  using namespace beltpick::avr;
+  const uint16_t tick = EdgeTimer::capture();
+  const bool level = StrobePin::read();
+  const bool is_new = level != strobe_level;
+  await_end_of(level);
+  const uint8_t next = static_cast<uint8_t>((strobe_tail + 1U) % kStrobes);
+  if (!is_new || next == strobe_head) return;
+  strobe_ticks[strobe_tail] = tick;
+  strobe_levels[strobe_tail] = level;
+  strobe_tail = next;
+  work_waits = true;
+}

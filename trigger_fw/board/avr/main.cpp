@@ -1,0 +1,176 @@
+// The firmware of the AVR boards: the main loop that feeds the core, and hands the edges of a running sequence to the
+// player ahead of their time. All of the core runs here; interrupts only move bytes, ticks and pins.
+#include <avr/sleep.h>
+#include <avr/wdt.h>
+#include <util/atomic.h>
+
+#include "clock.hpp"
+#include "core/device.hpp"
+#include "inputs.hpp"
+#include "player.hpp"
+#include "serial.hpp"
+#include "start_up.hpp"
+
+namespace beltpick {
+namespace avr {
+namespace {
+
+core::BoardTiming board_timing() {
+  core::BoardTiming timing;
+  timing.start_lead_us = 1000;
+  // The player drives the edges and tells itself when one is late; the core follows as the main loop finds time.
+  timing.late_limit_us = 20000;
+  timing.min_exposure_us = kMinExposure_us;
+  timing.min_period_us = kMinPeriod_us;
+  return timing;
+}
+
+protocol::Identity identity() {
+  protocol::Identity identity;
+  identity.board = kBoardKind;
+  identity.firmware_minor = 1;
+  identity.tick_ns = kTick_ns;
+  identity.min_exposure_us = kMinExposure_us;
+  identity.min_period_us = kMinPeriod_us;
+  identity.reset_cause = reset_cause();
+  identity.flash_crc = flash_crc();
+  return identity;
+}
+
+class Firmware {
+ public:
+  Firmware() : device_(identity(), read_inputs(), now_us(), board_timing()) {
+    device_.sequencer().on_strobe(StrobePin::read(), now_us());
+  }
+
+  // Pins before bytes: putting a message together takes half a millisecond.
+  void turn() {
+    wdt_reset();
+    follow_pins();
+    if (take_late_edge()) sequencer().on_late_edge();
+    play();
+    show();
+    exchange_bytes();
+    sleep();
+  }
+
+ private:
+  core::Sequencer& sequencer() { return device_.sequencer(); }
+
+  // The time is read first, and everything is told in the order in which it happened: what strobes did up to then is
+  // known before their deadlines are judged, and a strobe that the emergency stop cut short is no fault of the strobe.
+  void follow_pins() {
+    const uint32_t now = now_us();
+    uint16_t stop_tick;
+    if (take_emergency_stop(stop_tick)) {
+      const uint32_t stop_us = us_of(stop_tick);
+      follow_strobe(stop_us);
+      sequencer().on_inputs(read_inputs() | protocol::kInputEmergencyStop, stop_us);
+      release_player();
+    }
+    follow_strobe(now);
+    sequencer().on_inputs(read_inputs(), now);
+    sequencer().on_time(now);
+    if (take_start()) sequencer().start_by_pin(now_us());
+  }
+
+  void follow_strobe(uint32_t until_us) {
+    StrobeEdge edge;
+    while (next_strobe_edge(edge)) {
+      const uint32_t at_us = us_of(edge.tick);
+      if (static_cast<int32_t>(at_us - until_us) > 0) return;
+      sequencer().on_strobe(edge.level, at_us);
+      drop_strobe_edge();
+    }
+  }
+
+  void exchange_bytes() {
+    uint8_t byte;
+    uint8_t left = kBytesPerTurn;
+    const uint32_t now = now_us();
+    while (left > 0 && receive(byte)) {
+      device_.on_byte(byte, now);
+      --left;
+      work_waits = true;  // it may have been a request, and there may be more
+    }
+    for (left = kBytesPerTurn; left > 0 && can_send() && device_.next_byte(byte); --left) send(byte);
+    if (left == 0) work_waits = true;
+  }
+
+  void play() {
+    if (sequencer().running()) {
+      if (!playing_) walk_.start(sequencer().start_us());
+      playing_ = true;
+      hand_edges();
+    }
+    if (playing_ && !sequencer().running()) {
+      stop_player();
+      playing_ = false;
+    }
+  }
+
+  void hand_edges() {
+    while (walk_.edge() != core::Edge::kSequenceEnds) {
+      const uint32_t now = now_us();
+      if (static_cast<int32_t>(walk_.at_us() - now) > static_cast<int32_t>(kHorizon_us)) return;
+      const bool of_camera = walk_.edge() == core::Edge::kPulseRises || walk_.edge() == core::Edge::kPulseFalls;
+      const Handed handed = of_camera ? hand_camera_edge(walk_.at_us(), now) : hand_projector_edge(walk_.at_us(), now);
+      if (handed == Handed::kTooLate) sequencer().on_late_edge();
+      if (handed != Handed::kTaken) return;
+      walk_.pass(sequencer().plan());
+    }
+  }
+
+  // The pins that no timer drives. Those that the emergency stop's interrupt has set stay until the core knows of it.
+  void show() {
+    const core::Outputs out = sequencer().outputs();
+    ATOMIC_BLOCK(ATOMIC_RESTORESTATE) {
+      if (!emergency_stop_waits()) {
+        BusyPin::write(out.busy);
+        DonePin::write(out.done);
+        FaultPin::write(out.fault);
+      }
+    }
+  }
+
+  void sleep() {
+    uint32_t at_us;
+    wake_in(sequencer().next_deadline(at_us) ? at_us - now_us() : 1000);
+    cli();
+    if (!work_waits) {
+      sleep_enable();
+      sei();  // takes effect behind the next instruction: no interrupt slips in between
+      sleep_cpu();
+      sleep_disable();
+    }
+    sei();
+    work_waits = false;
+  }
+
+  // Few enough that the pins are followed in time under a full line.
+  static constexpr uint8_t kBytesPerTurn = 16;
+
+  core::Device device_;
+  core::EdgeWalk walk_;
+  bool playing_ = false;
+};
+
+}  // namespace
+}  // namespace avr
+}  // namespace beltpick
+
+int main() {
+  using namespace beltpick::avr;
+  BusyPin::drive();
+  DonePin::drive();
+  FaultPin::drive();
+  start_player();
+  start_clock();
+  start_inputs();
+  start_serial();
+  static Firmware firmware;
+  wdt_enable(WDTO_250MS);
+  SMCR = 0;  // sleep means idle: timers and serial line run on
+  sei();
+  while (true) firmware.turn();
+}

@@ -1,0 +1,38 @@
+#include "start_up.hpp"
+
+#include <avr/io.h>
+#include <avr/pgmspace.h>
+#include <avr/wdt.h>
+
+#include "protocol/framing.hpp"
+
+// The linker's mark behind the last byte of the program. Its address is what counts.
+extern "C" const char __data_load_end;
+
+namespace {
+// Before the memory is cleared, and outside of what is.
+uint8_t cause __attribute__((section(".noinit")));
+}  // namespace
+
+// After a watchdog's reset the watchdog still runs, at its shortest time: it must be stopped before anything else.
+extern "C" void save_reset_cause() __attribute__((naked, used, section(".init3")));
+extern "C" void save_reset_cause() {
+  cause = MCUSR;
+  MCUSR = 0;
+  wdt_disable();
+}
+
+namespace beltpick {
+namespace avr {
+
+uint8_t reset_cause() { return cause; }
+
+uint16_t flash_crc() {
+  const uint16_t end = reinterpret_cast<uint16_t>(&__data_load_end);
+  uint16_t crc = protocol::kCrcStart;
+  for (uint16_t at = 0; at < end; ++at) crc = protocol::crc16_step(crc, pgm_read_byte(at));
+  return crc;
+}
+
+}  // namespace avr
+}  // namespace beltpick

@@ -1,0 +1,16 @@
+// What the firmware tells of itself: why it started, and the check of its own flash.
+#pragma once
+
+#include <stdint.h>
+
+namespace beltpick {
+namespace avr {
+
+// protocol::ResetBit, as the microcontroller had them at the start.
+uint8_t reset_cause();
+
+// CRC-16 of the program and its initial data, as they lie in the flash.
+uint16_t flash_crc();
+
+}  // namespace avr
+}  // namespace beltpick
