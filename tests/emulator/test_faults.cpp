@@ -83,7 +83,7 @@ TEST_CASE("emergency stop at random instants: outputs low within 10 us, and no f
   Rig rig(GENERATE(Mcu::kAtmega2560, Mcu::kAtmega328p));
   beltpick::Random random(11);
   std::uint64_t worst = 0;
-  for (std::uint16_t round = 1; round <= 150; ++round) {
+  for (std::uint16_t round = 1; round <= 1000; ++round) {
     auto arm = sequence(round, 2);
     arm.groups[0] = {2, 300, 700, 1500, 700};
     rig.arm_and_start(arm);

@@ -12,7 +12,7 @@ bool before(uint32_t a_us, uint32_t b_us) { return static_cast<int32_t>(a_us - b
 }  // namespace
 
 Sequencer::Sequencer(uint8_t inputs, uint32_t now_us, const BoardTiming& board)
-    : board_(board), inputs_(inputs), inputs_us_(now_us), host_spoke_us_(now_us) {
+    : board_(board), inputs_(inputs), inputs_us_(now_us) {
   if ((inputs & protocol::kInputEmergencyStop) != 0) raise(Fault::kEmergencyStop);
 }
 
@@ -40,7 +40,7 @@ Refusal Sequencer::start(uint16_t arm_id, uint32_t now_us) {
   state_ = State::kRunning;
   outputs_.busy = true;
   start_us_ = now_us + board_.start_lead_us;
-  host_spoke_us_ = now_us;
+  host_spoke(now_us);
   strobe_ = Strobe::kNotDue;
   walk_.start(start_us_);
   on_time(now_us);
@@ -89,10 +89,9 @@ Sequencer::Awaited Sequencer::earliest(uint32_t& at_us) const {
     awaited = Awaited::kStrobe;
     at_us = strobe_deadline_us_;
   }
-  const uint32_t host_us = host_spoke_us_ + uint32_t{1000} * plan_.host_silence_ms;
-  if (before(host_us, at_us)) {
+  if (before(host_deadline_us_, at_us)) {
     awaited = Awaited::kHost;
-    at_us = host_us;
+    at_us = host_deadline_us_;
   }
   return awaited;
 }

@@ -32,7 +32,7 @@ class Sequencer {
   protocol::Refusal start_by_pin(uint32_t now_us) { return start(plan_.arm_id, now_us); }
   void abort();
   protocol::Refusal clear();
-  void host_spoke(uint32_t now_us) { host_spoke_us_ = now_us; }
+  void host_spoke(uint32_t now_us) { host_deadline_us_ = now_us + uint32_t{1000} * plan_.host_silence_ms; }
 
   // What happens in the world.
   void on_time(uint32_t now_us);
@@ -91,7 +91,7 @@ class Sequencer {
 
   uint8_t inputs_;
   uint32_t inputs_us_;
-  uint32_t host_spoke_us_;
+  uint32_t host_deadline_us_ = 0;  // of the running sequence
 
   protocol::FrameEvent frames_[kFrameQueue];
   uint8_t frames_head_ = 0;

@@ -109,4 +109,5 @@ ISR(BELTPICK_VECTOR_CAPTURE) {
   strobe_levels[strobe_tail] = level;
   strobe_tail = next;
   work_waits = true;
+  sei();  // while the registers come back, the emergency stop need not wait
 }

@@ -69,8 +69,7 @@ class Firmware {
       release_player();
     }
     follow_strobe(now);
-    sequencer().on_inputs(read_inputs(), now);
-    sequencer().on_time(now);
+    sequencer().on_inputs(read_inputs(), now);  // and serves what is due by then
     if (take_start()) sequencer().start_by_pin(now_us());
   }
 
@@ -93,7 +92,7 @@ class Firmware {
       --left;
       work_waits = true;  // it may have been a request, and there may be more
     }
-    for (left = kBytesPerTurn; left > 0 && can_send() && device_.next_byte(byte); --left) send(byte);
+    for (left = protocol::kMaxOutgoingFrame; left > 0 && can_send() && device_.next_byte(byte); --left) send(byte);
     if (left == 0) work_waits = true;
   }
 

@@ -47,12 +47,15 @@ class Channel {
   // After a match: the pin has moved.
   BELTPICK_INLINE void played() {
     // A flag of an older match of the same count, from before the edge was prepared, is no edge.
+    const uint8_t count = count_;
+    if (count == 0) return;
     uint8_t at = head_;
-    if (count_ == 0 || static_cast<int16_t>(EdgeTimer::count() - ticks_[at]) < 0) return;
+    const uint16_t now = EdgeTimer::count();
+    if (static_cast<int16_t>(now - ticks_[at]) < 0) return;
     Hardware::Out::write(Hardware::Out::read());
     at = next(at);
     head_ = at;
-    const uint8_t left = static_cast<uint8_t>(count_ - 1U);
+    const uint8_t left = static_cast<uint8_t>(count - 1U);
     count_ = left;
     if (left == 0) {
       disconnect();
@@ -60,7 +63,7 @@ class Channel {
     }
     const uint16_t tick = ticks_[at];
     Hardware::compare() = tick;
-    if (static_cast<int16_t>(tick - EdgeTimer::count()) < kLeast) {
+    if (static_cast<int16_t>(tick - now) < kLeast) {
       late = true;
       make_pins_safe();
     }
@@ -70,7 +73,7 @@ class Channel {
 
  private:
   static constexpr uint8_t kRing = 8;
-  static constexpr int16_t kLeast = 2;  // ticks that a compare value must lie ahead to be met
+  static constexpr int16_t kLeast = 16;  // ticks that an edge must lie ahead for its compare value to be in place
 
   static void prepare(uint16_t tick) {
     Hardware::compare() = tick;
@@ -143,9 +146,11 @@ bool take_late_edge() {
 ISR(BELTPICK_VECTOR_CAMERA) {
   beltpick::avr::camera.played();
   beltpick::avr::work_waits = true;
+  sei();  // while the registers come back, the emergency stop need not wait
 }
 
 ISR(BELTPICK_VECTOR_PROJECTOR) {
   beltpick::avr::projector.played();
   beltpick::avr::work_waits = true;
+  sei();
 }
