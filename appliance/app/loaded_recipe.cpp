@@ -125,6 +125,10 @@ Result<std::vector<ListedRecipe>> list_recipes(const ModelSource& source, std::v
   for (const std::string& name : source.recipes()) {
     const auto id = item_id(ItemKind::kRecipe, name);
     const auto document = source.get(id);
+    if (!document && document.error().code == ResultCode::kChecksumWrong) {
+      warnings.push_back(std::string(document.error().text()) + "; the other recipes can be run");
+      continue;
+    }
     if (!document) return std::unexpected(document.error());
     auto recipe = source.parse(*document, warnings);
     if (!recipe) return std::unexpected(recipe.error());

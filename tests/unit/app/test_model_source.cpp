@@ -3,6 +3,7 @@
 #include <catch2/catch.hpp>
 #include <fstream>
 
+#include "app/loaded_recipe.hpp"
 #include "app/model_source.hpp"
 #include "contract/result_codes.hpp"
 
@@ -60,4 +61,27 @@ TEST_CASE("a damaged newest version is not quietly replaced by the one before", 
     REQUIRE(source.get(id));
     CHECK(source.get(id)->bytes == "before the camera was moved");
   }
+}
+
+TEST_CASE("a damaged recipe does not keep the others from being run", "[models]") {
+  const Folder folder;
+  const auto recipe = [](int number) {
+    return R"({"format": "beltpick-recipe", "version": 1, "number": )" + std::to_string(number) +
+           R"(, "exposure_us": 5000, "templates": ["one"]})";
+  };
+  {
+    service::Store store = folder.open();
+    REQUIRE(store.put(item_id(ItemKind::kRecipe, "damaged"), recipe(1), "test"));
+    REQUIRE(store.put(item_id(ItemKind::kRecipe, "damaged"), recipe(1) + "\n", "test"));
+    REQUIRE(store.put(item_id(ItemKind::kRecipe, "whole"), recipe(2), "test"));
+  }
+  std::ofstream(folder.path / "recipe" / "damaged" / "00000002.item", std::ios::app) << "rot";
+  service::Store store = folder.open();
+  std::vector<std::string> warnings;
+  const auto listed = list_recipes(StoreSource(store), warnings);
+  REQUIRE(listed);
+  REQUIRE(listed->size() == 1);
+  CHECK(listed->front().recipe.number == 2);
+  REQUIRE_FALSE(warnings.empty());
+  CHECK(warnings.front().find("recipe 'damaged'") != std::string::npos);
 }
