@@ -177,6 +177,15 @@ TEST_CASE("an edge served too late is a fault, a little late is not and shifts n
   check_fault(bench, Fault::kTimerLate, 0);
 }
 
+TEST_CASE("an edge that the board's timer missed is a fault while a sequence runs, and nothing else", "[faults]") {
+  Bench bench;
+  bench.sequencer.on_late_edge();
+  CHECK(bench.status().state == State::kIdle);
+  bench = third_frame();
+  bench.sequencer.on_late_edge();
+  check_fault(bench, Fault::kTimerLate, 2);
+}
+
 TEST_CASE("the first fault stays", "[faults]") {
   Bench bench = third_frame();
   bench.inputs(kMoves);

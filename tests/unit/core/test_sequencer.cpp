@@ -91,6 +91,38 @@ TEST_CASE("START fires once for an ARM, however often it is repeated", "[sequenc
   CHECK(bench.status().trigger_number == 1);
 }
 
+TEST_CASE("a board that prepares its edges gets a lead, and every time counts from the first frame", "[sequencer]") {
+  core::BoardTiming board;
+  board.start_lead_us = 1000;
+  Bench bench;
+  bench.sequencer = core::Sequencer(kStands, 0, board);
+  bench.sequencer.arm(sequence(1, 2));
+  CHECK(bench.sequencer.start_by_pin(0) == Refusal::kNone);
+  CHECK(bench.sequencer.running());
+  CHECK(bench.sequencer.start_us() == 1000);
+  CHECK(bench.sequencer.outputs().busy);
+  CHECK_FALSE(bench.sequencer.outputs().projector);
+  core::EdgeWalk walk;
+  walk.start(bench.sequencer.start_us());
+  std::vector<std::uint32_t> ahead;
+  for (; walk.edge() != core::Edge::kSequenceEnds; walk.pass(bench.sequencer.plan())) ahead.push_back(walk.at_us());
+  bench.run_for(30000);
+  std::vector<std::uint32_t> seen;
+  for (const Edge& edge : bench.edges) {
+    if (edge.pin == 'p' || edge.pin == 'c') seen.push_back(edge.at_us);
+  }
+  CHECK(seen == ahead);
+  const auto frames = bench.events<protocol::FrameEvent>();
+  REQUIRE(frames.size() == 2);
+  CHECK(frames[0].pulse_us == 1000);
+}
+
+TEST_CASE("the START input starts nothing that is not armed", "[sequencer]") {
+  Bench bench;
+  CHECK(bench.sequencer.start_by_pin(0) == Refusal::kNotArmed);
+  CHECK_FALSE(bench.sequencer.running());
+}
+
 TEST_CASE("a sequence does not start over a moving belt or an exposing camera", "[sequencer]") {
   Bench bench(kMoves);
   bench.sequencer.arm(sequence(1, 1));
