@@ -21,6 +21,12 @@
 #include "pin.hpp"
 #include "protocol/messages.hpp"
 
+// For the emergency stop's few instructions: who moves the pins, and the port that both of them are on.
+#define BELTPICK_ADDRESS_CONTROL_A _SFR_MEM_ADDR(TCCR5A)
+#define BELTPICK_BUSY_PORT _SFR_IO_ADDR(PORTA)
+#define BELTPICK_BUSY_BIT 0
+#define BELTPICK_ADDRESS_PULSE_PORT _SFR_MEM_ADDR(PORTL)
+
 namespace beltpick {
 namespace avr {
 
@@ -32,7 +38,7 @@ BELTPICK_PIN(StrobePin, L, 1);
 BELTPICK_PIN(EmergencyStopPin, D, 0);
 BELTPICK_PIN(StartPin, D, 1);
 BELTPICK_PIN(BeltStoppedPin, B, 4);
-BELTPICK_PIN(BusyPin, A, 0);
+BELTPICK_PIN(BusyPin, A, BELTPICK_BUSY_BIT);
 BELTPICK_PIN(DonePin, A, 1);
 BELTPICK_PIN(FaultPin, A, 2);
 

@@ -21,6 +21,12 @@
 #include "pin.hpp"
 #include "protocol/messages.hpp"
 
+// For the emergency stop's few instructions: who moves the pins, and the port that both of them are on.
+#define BELTPICK_ADDRESS_CONTROL_A _SFR_MEM_ADDR(TCCR1A)
+#define BELTPICK_BUSY_PORT _SFR_IO_ADDR(PORTD)
+#define BELTPICK_BUSY_BIT 5
+#define BELTPICK_ADDRESS_PULSE_PORT _SFR_MEM_ADDR(PORTB)
+
 namespace beltpick {
 namespace avr {
 
@@ -32,7 +38,7 @@ BELTPICK_PIN(StrobePin, B, 0);
 BELTPICK_PIN(EmergencyStopPin, D, 2);
 BELTPICK_PIN(StartPin, D, 3);
 BELTPICK_PIN(BeltStoppedPin, D, 4);
-BELTPICK_PIN(BusyPin, D, 5);
+BELTPICK_PIN(BusyPin, D, BELTPICK_BUSY_BIT);
 BELTPICK_PIN(DonePin, D, 6);
 BELTPICK_PIN(FaultPin, D, 7);
 

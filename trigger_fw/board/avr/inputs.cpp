@@ -80,10 +80,31 @@ bool take_start() {
 }  // namespace avr
 }  // namespace beltpick
 
-ISR(BELTPICK_VECTOR_EMERGENCY_STOP) {
+// Takes both pins from the timer and pulls them low, and BUSY, before it saves what the rest needs.
+ISR(BELTPICK_VECTOR_EMERGENCY_STOP, ISR_NAKED) {
+  using namespace beltpick::avr;
+  __asm__ volatile(
+      "push r24"
+      "\n\tin r24, __SREG__"
+      "\n\tpush r24"
+      "\n\tldi r24, 0"
+      "\n\tsts %[control], r24"
+      "\n\tlds r24, %[port]"
+      "\n\tandi r24, %[others]"
+      "\n\tsts %[port], r24"
+      "\n\tcbi %[busy_port], %[busy_bit]"
+      "\n\tpop r24"
+      "\n\tout __SREG__, r24"
+      "\n\tpop r24"
+      "\n\tjmp __vector_emergency_stop_rest" ::[control] "i"(BELTPICK_ADDRESS_CONTROL_A),
+      [port] "i"(BELTPICK_ADDRESS_PULSE_PORT), [busy_port] "I"(BELTPICK_BUSY_PORT), [busy_bit] "I"(BELTPICK_BUSY_BIT),
+      [others] "n"(0xFF & ~(CameraPin::kMask | ProjectorPin::kMask)));
+}
+
+extern "C" void __vector_emergency_stop_rest() __attribute__((signal, used, externally_visible));
+extern "C" void __vector_emergency_stop_rest() {
   using namespace beltpick::avr;
   trip_player();
-  BusyPin::clear();
   FaultPin::set();
   stop_tick = EdgeTimer::count();
   stop_pressed = true;

@@ -12,6 +12,7 @@ namespace avr {
 
 template <class Location>
 struct Pin {
+  static constexpr uint8_t kMask = Location::kMask;
   BELTPICK_INLINE static void set() { Location::port() |= Location::kMask; }
   BELTPICK_INLINE static void clear() { Location::port() &= static_cast<uint8_t>(~Location::kMask); }
   BELTPICK_INLINE static void write(bool level) { level ? set() : clear(); }
