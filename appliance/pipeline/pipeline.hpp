@@ -7,10 +7,12 @@
 //   segment    segment   the belt is taken away; what holds together is an object (the paper's equations 1, 2)
 //   locate     for each object, and again for what is left when a found part is taken away (ObjectBook):
 //     PoseFinder  primitives  cylinders and spheres that the templates have, by MSAC (equations 3 to 5)
-//                 search      Q (equation 6) over all poses that a primitive leaves free, or over all views of the part
+//                 search      Q (equation 6) over all poses that a primitive leaves free, then over all views of the
+//                             part, then over all that one of its faces leaves free
 //                 icp         the best dozens coarsely, the best few with the whole sample, point to plane
 //                 result      drawn into the range image: is all there that should be seen, and nothing behind it?
-//                             no other pose as good? Then a last alignment to everything measured in sight.
+//                             what the light did not reach (ShadowMap) tells nothing. A last alignment to everything
+//                             measured in sight; no other pose as good, nor along the freedom held least (pose_hold)?
 //     Locator     settle      of two poses that claim the same surface the better supported one stays
 //                 rank        what can be gripped, highest first; the first taught grasp whose way in is clear
 //

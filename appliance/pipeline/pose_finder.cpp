@@ -1,14 +1,11 @@
 #include "pipeline/pose_finder.hpp"
 
 #include <algorithm>
-#include <cmath>
-
-#include <Eigen/Eigenvalues>
-
 #include "base/units.hpp"
 #include "contract/pose_difference.hpp"
 #include "contract/result_codes.hpp"
 #include "pipeline/outline_pairs.hpp"
+#include "pipeline/pose_hold.hpp"
 #include "result/rivalry.hpp"
 #include "result/verdict.hpp"
 #include "search/from_primitive.hpp"
@@ -60,64 +57,8 @@ constexpr double kWorthFinishing = 0.5;
 constexpr double kRivalStrength = 0.8;
 constexpr int kFinishedRivals = 4;
 
-// The covariance counts random errors alone. What errs the same way at many points (the template's spacing, the bias of
-// an outline) was seen to be some ten times as much; with that, a pose must be good enough to grip.
-constexpr double kSystematic = 10.0;
-constexpr double kAllowed_mm = 1.0;
-constexpr double kAllowed_rad = rad_from_deg(1.0);
-
-// Along a freedom held less firmly than this (random errors, on the part's rim) other poses are looked for, so far
-// away.
-constexpr double kFirm_mm = 0.015;
+// Along a freedom that is not held firmly other poses are looked for, so far away on the part's rim.
 constexpr std::array<double, 6> kExplored_mm{2.5, -2.5, 6.0, -6.0, 14.0, -14.0};
-
-using Mat6 = Eigen::Matrix<double, 6, 6>;
-using Vec6 = Eigen::Matrix<double, 6, 1>;
-
-// Takes turns about the axis of a body of revolution out: they do not change it.
-Mat6 counted(const Candidate& candidate, const PartModel& model) {
-  Mat6 across = Mat6::Identity();
-  if (model.sphere) across.topLeftCorner<3, 3>().setZero();
-  if (model.revolution) {
-    const Vec3 axis = candidate.alignment.T_camera_part.rotation * model.axis_direction;
-    across.topLeftCorner<3, 3>() -= axis * axis.transpose();
-  }
-  return across * candidate.alignment.covariance * across;
-}
-
-// Whether the measured surface and outline hold the part in place, but for turns that do not change it.
-bool determined(const Candidate& candidate, const PartModel& model) {
-  if (model.sphere) return true;
-  const Mat6 covariance = counted(candidate, model);
-  Eigen::SelfAdjointEigenSolver<Mat3> slide, turn;
-  slide.computeDirect(Mat3(covariance.bottomRightCorner<3, 3>()), Eigen::EigenvaluesOnly);
-  turn.computeDirect(Mat3(covariance.topLeftCorner<3, 3>()), Eigen::EigenvaluesOnly);
-  return kSystematic * std::sqrt(slide.eigenvalues().maxCoeff()) < kAllowed_mm &&
-         kSystematic * std::sqrt(turn.eigenvalues().maxCoeff()) < kAllowed_rad;
-}
-
-// The freedom that is held least: a small motion as the covariance has it, moving the part's rim by 1 mm. Nothing where
-// all are held firmly.
-std::optional<Vec6> loosest_freedom(const Candidate& candidate, const PartModel& model) {
-  Vec6 scale = Vec6::Ones();
-  scale.head<3>().setConstant(2.0 / model.diagonal_mm);
-  const Mat6 on_rim_mm2 =
-      scale.cwiseInverse().asDiagonal() * counted(candidate, model) * scale.cwiseInverse().asDiagonal();
-  const Eigen::SelfAdjointEigenSolver<Mat6> freedoms(on_rim_mm2);
-  if (freedoms.eigenvalues()[5] < kFirm_mm * kFirm_mm) return std::nullopt;
-  return scale.cwiseProduct(freedoms.eigenvectors().col(5));
-}
-
-// The pose after a motion in the camera frame about the part's centre.
-result::PartPose moved(const result::PartPose& T_camera_part, const Vec6& motion, const PartModel& model) {
-  const Vec3 turn = motion.head<3>();
-  const double angle = turn.norm();
-  const Mat3 rotation =
-      angle < 1e-12 ? Mat3(Mat3::Identity()) : Mat3(Eigen::AngleAxisd(angle, turn / angle).toRotationMatrix());
-  const Vec3 centre_mm = T_camera_part * model.centre_mm;
-  const Mat3 turned = rotation * T_camera_part.rotation;
-  return {turned, centre_mm + motion.tail<3>() - turned * model.centre_mm};
-}
 
 // Where to look within an object that is none of the parts as a whole: round its highest point and those far from it.
 constexpr int kNeighbourhoods = 3;
@@ -127,6 +68,19 @@ double largest_diagonal_mm(std::span<const PartModel> models) {
   double largest = 0.0;
   for (const PartModel& model : models) largest = std::max(largest, model.diagonal_mm);
   return largest;
+}
+
+// Of an object's points, what a primitive must hold.
+constexpr double kLeastCurvedShare = 0.12;
+constexpr double kLeastFaceShare = 0.2;
+
+primitives::PrimitiveQuery query_for(const result::Scene& scene, PrimitiveKind kind, double least_share) {
+  primitives::PrimitiveQuery query;
+  query.kind = kind;
+  query.sigma_mm = std::max(scene.noise_mm, 0.1);
+  query.min_share = least_share;
+  query.max_trials = 400;
+  return query;
 }
 
 result::Region region_of(const Object& object, int margin) {
@@ -245,13 +199,8 @@ void PoseFinder::search_by_primitives(const Context& context, const PartModel& m
 
 // A face may be all that is measured of a part that stands on the other one, or reaches out of the image.
 void PoseFinder::search_by_planes(const Context& context, const PartModel& model, search::HypothesisPool& pool) {
-  primitives::PrimitiveQuery query;
-  query.kind = PrimitiveKind::kPlane;
-  query.sigma_mm = std::max(context.scene.noise_mm, 0.1);
-  query.min_share = 0.2;
-  query.max_trials = 400;
   Random random(context.seed, 3);
-  const auto face = finder_.find(sample(), query, random);
+  const auto face = finder_.find(sample(), query_for(context.scene, PrimitiveKind::kPlane, kLeastFaceShare), random);
   if (!face) return;
   const auto sample = this->sample().first(std::min(sample_count_, kSearchSample));
   const search::SearchInput input{model, sample, static_cast<float>(coarse_radius_mm(model))};
@@ -263,12 +212,8 @@ int PoseFinder::find_primitives(const Context& context, const PartModel& model, 
   Random random(context.seed, 2);
   for (const Primitive& taught : model.taught()) {
     if (count == found.size()) break;
-    primitives::PrimitiveQuery query;
-    query.kind = taught.kind;
-    query.sigma_mm = std::max(context.scene.noise_mm, 0.1);
-    query.min_share = 0.12;
-    query.max_trials = 400;
     if (taught.kind == PrimitiveKind::kPlane) continue;
+    primitives::PrimitiveQuery query = query_for(context.scene, taught.kind, kLeastCurvedShare);
     query.radius_mm = taught.radius_mm;
     query.side = taught.concave ? primitives::Side::kBore : primitives::Side::kBoss;
     const auto primitive = finder_.find(sample(), query, random);
@@ -395,7 +340,7 @@ Attempt PoseFinder::decide(const Context& context) {
 // candidates; the strongest of all is the champion. Returns whether any was found.
 bool PoseFinder::explore(const Context& context, Candidate& champion) {
   const PartModel& model = context.models[static_cast<std::size_t>(champion.model_index)];
-  const auto freedom = loosest_freedom(champion, model);
+  const auto freedom = loosest_freedom(champion.alignment, model);
   if (!freedom) return false;
   const Candidate before = champion;
   const int candidates_before = candidate_count_;
@@ -417,7 +362,7 @@ Result<void> PoseFinder::trial(const Context& context, const Candidate& champion
   const auto verdict = result::judge(champion.evidence, result::surface_tolerance_mm(context.scene, model.spacing_mm),
                                      result::Requirements{});
   if (!verdict) return verdict;
-  if (!determined(champion, model)) {
+  if (!determined(champion.alignment, model)) {
     return failure(ResultCode::kPoseAmbiguous,
                    "what is in view lets the part slide or turn; wait for a better view of it");
   }

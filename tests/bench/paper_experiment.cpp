@@ -74,7 +74,6 @@ struct Machine {
   }
 };
 
-// RMS distance to the nearest template point of what was measured of the part: object pixels that truly show it.
 // Of the pixels that show a part, the share that was measured.
 double measured_share(const RangeImage& range, ImageView<const std::uint16_t> instances, int part) {
   int seen = 0, measured = 0;
@@ -88,6 +87,7 @@ double measured_share(const RangeImage& range, ImageView<const std::uint16_t> in
   return seen > 0 ? measured / static_cast<double>(seen) : 0.0;
 }
 
+// RMS distance to the nearest template point of what was measured of the part: object pixels that truly show it.
 double paper_rms_mm(const pipeline::Located& located, const RangeImage& range, ImageView<const std::uint16_t> instances,
                     std::size_t part, const result::PartPose& T_camera_part, const PartModel& model) {
   const auto T_part_camera = T_camera_part.inverse();

@@ -1,0 +1,66 @@
+#include "pipeline/pose_hold.hpp"
+
+#include <cmath>
+
+#include <Eigen/Eigenvalues>
+
+#include "base/units.hpp"
+
+namespace beltpick::pipeline {
+namespace {
+
+// The covariance counts random errors alone. What errs the same way at many points (the template's spacing, the bias of
+// an outline) was seen to be some ten times as much; with that, a pose must be good enough to grip.
+constexpr double kSystematic = 10.0;
+constexpr double kAllowed_mm = 1.0;
+constexpr double kAllowed_rad = rad_from_deg(1.0);
+
+// A freedom held less firmly than this, by random errors, on the part's rim, is loose.
+constexpr double kFirm_mm = 0.015;
+
+using Mat6 = Eigen::Matrix<double, 6, 6>;
+
+// Takes turns about the axis of a body of revolution out: they do not change it.
+Mat6 counted(const Alignment& alignment, const PartModel& model) {
+  Mat6 across = Mat6::Identity();
+  if (model.sphere) across.topLeftCorner<3, 3>().setZero();
+  if (model.revolution) {
+    const Vec3 axis = alignment.T_camera_part.rotation * model.axis_direction;
+    across.topLeftCorner<3, 3>() -= axis * axis.transpose();
+  }
+  return across * alignment.covariance * across;
+}
+
+}  // namespace
+
+bool determined(const Alignment& alignment, const PartModel& model) {
+  if (model.sphere) return true;
+  const Mat6 covariance = counted(alignment, model);
+  Eigen::SelfAdjointEigenSolver<Mat3> slide, turn;
+  slide.computeDirect(Mat3(covariance.bottomRightCorner<3, 3>()), Eigen::EigenvaluesOnly);
+  turn.computeDirect(Mat3(covariance.topLeftCorner<3, 3>()), Eigen::EigenvaluesOnly);
+  return kSystematic * std::sqrt(slide.eigenvalues().maxCoeff()) < kAllowed_mm &&
+         kSystematic * std::sqrt(turn.eigenvalues().maxCoeff()) < kAllowed_rad;
+}
+
+std::optional<Motion> loosest_freedom(const Alignment& alignment, const PartModel& model) {
+  Motion scale = Motion::Ones();
+  scale.head<3>().setConstant(2.0 / model.diagonal_mm);
+  const Mat6 on_rim_mm2 =
+      scale.cwiseInverse().asDiagonal() * counted(alignment, model) * scale.cwiseInverse().asDiagonal();
+  const Eigen::SelfAdjointEigenSolver<Mat6> freedoms(on_rim_mm2);
+  if (freedoms.eigenvalues()[5] < kFirm_mm * kFirm_mm) return std::nullopt;
+  return scale.cwiseProduct(freedoms.eigenvectors().col(5));
+}
+
+result::PartPose moved(const result::PartPose& T_camera_part, const Motion& motion, const PartModel& model) {
+  const Vec3 turn = motion.head<3>();
+  const double angle = turn.norm();
+  const Mat3 rotation =
+      angle < 1e-12 ? Mat3(Mat3::Identity()) : Mat3(Eigen::AngleAxisd(angle, turn / angle).toRotationMatrix());
+  const Vec3 centre_mm = T_camera_part * model.centre_mm;
+  const Mat3 turned = rotation * T_camera_part.rotation;
+  return {turned, centre_mm + motion.tail<3>() - turned * model.centre_mm};
+}
+
+}  // namespace beltpick::pipeline

@@ -1,0 +1,27 @@
+// How firmly what was measured holds a pose, by the covariance of its alignment.
+#pragma once
+
+#include <optional>
+
+#include "base/stages.hpp"
+#include "contract/part_model.hpp"
+#include "result/scene.hpp"
+
+namespace beltpick::pipeline {
+
+// A small motion in the camera frame about the centre of the part's box, as Alignment::covariance has it: a rotation
+// vector in rad, then a translation in mm.
+using Motion = Eigen::Matrix<double, 6, 1>;
+
+// Whether surface and outline hold the part well enough to grip it (1 mm, 1 degree), but for turns that its symmetry
+// makes no difference of.
+bool determined(const Alignment& alignment, const PartModel& model);
+
+// The motion that is held least, scaled so that the part's rim (half its diagonal) moves by 1 mm; turns that the
+// symmetry makes no difference of do not count. Nothing where all are held firmly.
+std::optional<Motion> loosest_freedom(const Alignment& alignment, const PartModel& model);
+
+// The pose after the motion.
+result::PartPose moved(const result::PartPose& T_camera_part, const Motion& motion, const PartModel& model);
+
+}  // namespace beltpick::pipeline
