@@ -5,6 +5,7 @@
 //   measure    decode    each frame is folded into per-pixel sums as it arrives; after the last: projector coordinates
 //              range     rays of camera and projector meet in ordered points, with their predicted noise
 //   segment    segment   the belt is taken away; what holds together is an object (the paper's equations 1, 2)
+//   light      where it stood; that of a foreign cloud is found by its shadows (LightFinder)
 //   locate     for each object, and again for what is left when a found part is taken away (ObjectBook):
 //     PoseFinder  primitives  cylinders and spheres that the templates have, by MSAC (equations 3 to 5)
 //                 search      Q (equation 6) over all poses that a primitive leaves free, then over all views of the

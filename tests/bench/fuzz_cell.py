@@ -58,8 +58,12 @@ class Handover:
         while True:
             try:
                 here, _ = self.listener.accept()
-                there = socket.create_connection(("127.0.0.1", self.to_port), 5)
             except OSError:
+                continue
+            try:
+                there = socket.create_connection(("127.0.0.1", self.to_port), 5)
+            except OSError:  # beltpickd does not listen yet: the cell's PLC is to knock again
+                here.close()
                 continue
             self.ends += [here, there]
             for source, sink in ((here, there), (there, here)):
