@@ -6,11 +6,11 @@
 
 #include "app/model_hub.hpp"
 #include "base/clock.hpp"
+#include "base/utc.hpp"
 #include "capture/receive_buffer.hpp"
 #include "contract/registers.hpp"
 #include "service/machine_facts.hpp"
 #include "service/store_facts.hpp"
-#include "service/utc.hpp"
 
 namespace beltpick::app {
 
@@ -139,7 +139,7 @@ void wait_for_devices(const capture::Camera& camera, const capture::TriggerLink&
 service::SelfTestFacts gather_facts(const SelfTestOf& of) {
   const Settings& settings = of.settings;
   service::SelfTestFacts facts;
-  facts.time_utc = service::now_utc();
+  facts.time_utc = now_utc();
   facts.camera = camera_found(of);
   facts.socket_buffer = service::find_socket_buffer(
       capture::kStreamSocketBytes, std::int64_t{settings.limits.image_width} * settings.limits.image_height);

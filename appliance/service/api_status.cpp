@@ -1,10 +1,10 @@
 // The API's handlers that look: health, status, result codes, self-test, the API's own document.
+#include "base/utc.hpp"
 #include "contract/result_codes.hpp"
 #include "service/api.hpp"
 #include "service/forms.hpp"
 #include "service/openapi_document.hpp"
 #include "service/self_test_text.hpp"
-#include "service/utc.hpp"
 
 namespace beltpick::service {
 namespace {

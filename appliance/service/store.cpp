@@ -9,12 +9,12 @@
 #include <mutex>
 #include <utility>
 
+#include "base/utc.hpp"
 #include "contract/result_codes.hpp"
 #include "contract_io/file_io.hpp"
 #include "service/folder.hpp"
 #include "service/item_folder.hpp"
 #include "service/sha256.hpp"
-#include "service/utc.hpp"
 
 namespace beltpick::service {
 namespace {

@@ -4,12 +4,12 @@
 #include <cerrno>
 #include <cstring>
 
+#include "base/utc.hpp"
 #include "contract/result_codes.hpp"
 #include "contract_io/json_reader.hpp"
 #include "contract_io/json_writer.hpp"
 #include "service/secrets.hpp"
 #include "service/sha256.hpp"
-#include "service/utc.hpp"
 
 namespace beltpick::service {
 namespace {

@@ -4,10 +4,10 @@
 
 #include <algorithm>
 #include <cstdio>
-#include <ctime>
 #include <memory>
 
 #include "appliance_call.hpp"
+#include "base/utc.hpp"
 #include "commands.hpp"
 #include "contract/result_codes.hpp"
 #include "contract_io/file_io.hpp"
@@ -47,15 +47,6 @@ std::string default_name() {
       '_');
   if (!is_item_name(name.substr(0, 1))) name.insert(0, "u");
   return name.substr(0, kMaxItemName);
-}
-
-std::string now_utc() {
-  const std::time_t now = std::time(nullptr);
-  std::tm utc{};
-  gmtime_r(&now, &utc);
-  char text[32];
-  std::strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%SZ", &utc);
-  return text;
 }
 
 // A token is one word of printable characters; anything else would not pass through a header.

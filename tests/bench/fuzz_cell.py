@@ -11,6 +11,7 @@ import threading
 import time
 
 from api_client import Client
+from free_places import free_port
 from modbus_plc import Plc
 
 START, END, CLEAR = 1, 5, 6
@@ -38,20 +39,19 @@ image_height = 480
 """
 
 
-def free_port():
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        return probe.getsockname()[1]
-
-
 class Handover:
     """Lies between the virtual cell's PLC and beltpickd until parts lie in view; then the cell's PLC is cut off, its belt
     stands, and this program is the PLC."""
 
     def __init__(self, to_port):
         self.to_port, self.ends = to_port, []
-        self.listener = socket.create_server(("127.0.0.1", 0))
+        self.listener = socket.socket()
+        self.listener.bind(("127.0.0.1", 0))
         self.port = self.listener.getsockname()[1]
+
+    def open(self):
+        """Once beltpickd listens: until then the cell's PLC is refused as by beltpickd itself."""
+        self.listener.listen()
         threading.Thread(target=self.accept, daemon=True).start()
 
     def accept(self):
@@ -62,7 +62,7 @@ class Handover:
                 continue
             try:
                 there = socket.create_connection(("127.0.0.1", self.to_port), 5)
-            except OSError:  # beltpickd does not listen yet: the cell's PLC is to knock again
+            except OSError:
                 here.close()
                 continue
             self.ends += [here, there]
@@ -106,6 +106,7 @@ class LiveCell:
             self.daemon = subprocess.Popen([bin_folder / "beltpickd", "--config", run / "beltpickd.toml"], stderr=log)
         self.wait_for(run / "state" / "tls" / "certificate.pem")
         self.wait_for(run / "state" / "one_time_token")
+        self.handover.open()
         give_up = time.monotonic() + 180
         while "capturing -> processing" not in self.log():
             if time.monotonic() > give_up:

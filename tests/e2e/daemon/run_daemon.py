@@ -7,12 +7,12 @@ the limits. The virtual cell gives camera and trigger; the PLC is this script.
 import pathlib
 import shutil
 import signal
-import socket
 import subprocess
 import sys
 import time
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "support" / "python"))
+from free_places import free_port  # noqa: E402
 from modbus_plc import Plc, expect  # noqa: E402
 
 START, END, CLEAR = 1, 5, 6
@@ -41,12 +41,8 @@ class Bench:
     def __init__(self, bin_folder, cell, run):
         self.bin, self.cell, self.run = bin_folder, cell, run
         self.camera = "127.0.10.5"
-        with socket.socket() as probe:
-            probe.bind(("127.0.0.1", 0))
-            self.port = probe.getsockname()[1]
-        with socket.socket() as probe:  # nobody will listen there: the cell's own PLC stays out of the way
-            probe.bind(("127.0.0.1", 0))
-            nobody = probe.getsockname()[1]
+        self.port = free_port()
+        nobody = free_port()  # nobody will listen there: the cell's own PLC stays out of the way
         self.world = subprocess.Popen(
             [bin_folder / "beltpick", "simulate", "--live", "--rig", cell / "rig.toml", "--part", "knuckle", "--parts", "3",
              "--sequence", cell / "sequence.json", "--plc", f"127.0.0.1:{nobody}", "--camera-address", self.camera,

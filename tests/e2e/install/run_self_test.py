@@ -14,7 +14,10 @@ import sys
 import time
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "service"))
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "support" / "python"))
 import api_client  # noqa: E402
+from free_places import free_camera_address, free_port  # noqa: E402
+from modbus_plc import expect  # noqa: E402
 
 CONFIG = """[camera]
 id = "{camera}"
@@ -38,33 +41,10 @@ image_height = 480
 MACHINE = {"clock", "memory lock", "real-time", "socket buffer", "packet size"}
 
 
-def expect(what, found, expected):
-    if found != expected:
-        sys.exit(f"{what}: expected {expected!r}, found {found!r}")
-
-
-def free_port():
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        return probe.getsockname()[1]
-
-
-def free_camera_address():
-    for last in range(1, 250):
-        address = f"127.0.11.{last}"
-        with socket.socket(type=socket.SOCK_DGRAM) as probe:
-            try:
-                probe.bind((address, 3956))
-                return address
-            except OSError:
-                continue
-    sys.exit("no loopback address with a free UDP port 3956")
-
-
 class Bench:
     def __init__(self, bin_folder, cell, run):
         self.bin, self.run = bin_folder, run
-        self.values = {"camera": free_camera_address(), "tty": run / "trigger", "cell": cell, "port": free_port(),
+        self.values = {"camera": free_camera_address(11), "tty": run / "trigger", "cell": cell, "port": free_port(),
                        "calibration": cell / "calibration.json", "state": run / "state", "service_port": free_port(),
                        "width": 640}
         self.world = subprocess.Popen(

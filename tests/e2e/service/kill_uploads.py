@@ -18,7 +18,6 @@ import pathlib
 import random
 import shutil
 import signal
-import socket
 import struct
 import subprocess
 import sys
@@ -27,7 +26,9 @@ import time
 import zlib
 from http.client import HTTPException
 
-from api_client import Client
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "support" / "python"))
+from api_client import Client  # noqa: E402
+from free_places import free_port  # noqa: E402
 
 KEEP = 10
 CONFIG = """[camera]
@@ -90,12 +91,6 @@ def recipe(chance):
 
 
 MAKERS = {"calibration": calibration, "cell": cell, "template": template, "recipe": recipe}
-
-
-def free_port():
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        return probe.getsockname()[1]
 
 
 class Server:

@@ -1,8 +1,8 @@
-#include "service/utc.hpp"
+#include "base/utc.hpp"
 
 #include <ctime>
 
-namespace beltpick::service {
+namespace beltpick {
 
 std::string now_utc() {
   const std::time_t now = std::time(nullptr);
@@ -13,4 +13,4 @@ std::string now_utc() {
   return text;
 }
 
-}  // namespace beltpick::service
+}  // namespace beltpick

@@ -3,9 +3,9 @@
 
 #include <string>
 
-namespace beltpick::service {
+namespace beltpick {
 
 // Now, "2026-01-31T12:34:56Z".
 std::string now_utc();
 
-}  // namespace beltpick::service
+}  // namespace beltpick
