@@ -60,9 +60,19 @@ void Device::serve_simple(const Header& header, uint32_t now_us) {
     case Type::kKeepalive:
       reply(header, Refusal::kNone);
       return;
+    case Type::kEnterLoader:
+      reply(header, ask_for_loader());
+      return;
     default:
       reply(header, Refusal::kUnknownMessage);
   }
+}
+
+Refusal Device::ask_for_loader() {
+  if (identity_.board == protocol::BoardKind::kHost) return Refusal::kUnknownMessage;
+  if (sequencer_.running()) return Refusal::kSequenceRunning;
+  loader_wanted_ = true;
+  return Refusal::kNone;
 }
 
 void Device::reply(const Header& header, Refusal refusal) {

@@ -21,6 +21,9 @@ class Device {
   // The next byte for the wire; false when there is none. An event leaves the sequencer only when the line is free.
   bool next_byte(uint8_t& byte);
 
+  // The host wants the boot loader, and has been told yes: time to go there.
+  bool loader_due() const { return loader_wanted_ && queue_count_ == 0 && !sequencer_.running(); }
+
  private:
   static constexpr uint8_t kQueueBytes = 128;
 
@@ -28,6 +31,7 @@ class Device {
   void serve_arm(const protocol::Header& header);
   void serve_start(const protocol::Header& header, uint32_t now_us);
   void serve_simple(const protocol::Header& header, uint32_t now_us);
+  protocol::Refusal ask_for_loader();
   void reply(const protocol::Header& header, protocol::Refusal refusal);
   bool send_event();
   template <class Payload>
@@ -39,6 +43,7 @@ class Device {
   Sequencer sequencer_;
   protocol::FrameDecoder decoder_;
   uint8_t event_sequence_ = 0;
+  bool loader_wanted_ = false;
   uint8_t queue_[kQueueBytes] = {};
   uint8_t queue_head_ = 0;
   uint8_t queue_count_ = 0;

@@ -22,8 +22,9 @@ enum class Type : uint8_t {
   kClear = 0x05,
   kStatus = 0x06,
   kKeepalive = 0x07,
+  kEnterLoader = 0x08,
   // Replies.
-  kReply = 0x80,  // to ARM, START, ABORT, CLEAR, KEEPALIVE, and to whatever is refused
+  kReply = 0x80,  // to ARM, START, ABORT, CLEAR, KEEPALIVE, ENTER_LOADER, and to whatever is refused
   kIdentity = 0x81,
   kStatusReport = 0x86,
   // Events.
@@ -60,7 +61,7 @@ struct Header {
 };
 constexpr size_t kHeaderBytes = 3;
 
-// IDENTIFY, ABORT, CLEAR, STATUS and KEEPALIVE carry nothing.
+// IDENTIFY, ABORT, CLEAR, STATUS, KEEPALIVE and ENTER_LOADER carry nothing.
 struct Empty {
   template <class Io>
   void fields(Io&) {}

@@ -151,6 +151,33 @@ TEST_CASE("KEEPALIVE keeps a sequence alive, CLEAR ends a fault, ABORT a sequenc
   CHECK(device.sequencer().status(0).state == protocol::State::kIdle);
 }
 
+TEST_CASE("the boot loader is entered once the reply is out, and not out of a sequence", "[device]") {
+  protocol::Identity identity;
+  identity.board = protocol::BoardKind::kAtmega328p;
+  core::Device device(identity, kStands, 0);
+  Host host(device);
+  host.send(Type::kArm, 1, sequence(1, 5));
+  host.send(Type::kStart, 2, protocol::Start{1}, 0);
+  host.receive();
+  host.send(Type::kEnterLoader, 3, protocol::Empty());
+  CHECK(host.answer(Type::kEnterLoader, 3) == Refusal::kSequenceRunning);
+  CHECK(!device.loader_due());
+  device.sequencer().abort();
+  CHECK(!device.loader_due());
+  host.send(Type::kEnterLoader, 4, protocol::Empty());
+  CHECK(!device.loader_due());
+  CHECK(host.answer(Type::kEnterLoader, 4) == Refusal::kNone);
+  CHECK(device.loader_due());
+}
+
+TEST_CASE("a board without a boot loader does not know the request", "[device]") {
+  core::Device device(protocol::Identity(), kStands, 0);
+  Host host(device);
+  host.send(Type::kEnterLoader, 1, protocol::Empty());
+  CHECK(host.answer(Type::kEnterLoader, 1) == Refusal::kUnknownMessage);
+  CHECK(!device.loader_due());
+}
+
 TEST_CASE("a host that asks without listening gets whole answers or none", "[device]") {
   core::Device device(protocol::Identity(), kStands, 0);
   Host host(device);

@@ -51,6 +51,7 @@ class Firmware {
     play();
     show();
     exchange_bytes();
+    if (device_.loader_due() && ring_is_sent()) enter_loader();
     sleep();
   }
 

@@ -60,6 +60,8 @@ void send(uint8_t byte) {
   ATOMIC_BLOCK(ATOMIC_RESTORESTATE) { UCSR0B = kSending; }
 }
 
+bool ring_is_sent() { return outgoing.empty(); }
+
 }  // namespace avr
 }  // namespace beltpick
 

@@ -15,5 +15,8 @@ bool receive(uint8_t& byte);
 bool can_send();
 void send(uint8_t byte);
 
+// True when nothing waits in the ring; the last two bytes may still be on their way for 40 us.
+bool ring_is_sent();
+
 }  // namespace avr
 }  // namespace beltpick

@@ -1,9 +1,11 @@
 #include "start_up.hpp"
 
+#include <avr/interrupt.h>
 #include <avr/io.h>
 #include <avr/pgmspace.h>
 #include <avr/wdt.h>
 
+#include "boot/handover.hpp"
 #include "protocol/framing.hpp"
 
 // The linker's mark behind the last byte of the program. Its address is what counts.
@@ -18,6 +20,7 @@ uint8_t cause __attribute__((section(".noinit")));
 extern "C" void save_reset_cause() __attribute__((naked, used, section(".init3")));
 extern "C" void save_reset_cause() {
   cause = MCUSR;
+  if (cause == 0) cause = beltpick::boot::saved_reset_cause();
   MCUSR = 0;
   wdt_disable();
 }
@@ -32,6 +35,14 @@ uint16_t flash_crc() {
   uint16_t crc = protocol::kCrcStart;
   for (uint16_t at = 0; at < end; ++at) crc = protocol::crc16_step(crc, pgm_read_byte(at));
   return crc;
+}
+
+void enter_loader() {
+  cli();
+  boot::loader_wish() = boot::kLoaderWish;
+  wdt_enable(WDTO_15MS);
+  while (true) {
+  }
 }
 
 }  // namespace avr

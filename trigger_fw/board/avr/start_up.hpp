@@ -1,4 +1,4 @@
-// What the firmware tells of itself: why it started, and the check of its own flash.
+// What the firmware tells of itself: why it started, and the check of its own flash; and its end, in the boot loader.
 #pragma once
 
 #include <stdint.h>
@@ -11,6 +11,9 @@ uint8_t reset_cause();
 
 // CRC-16 of the program and its initial data, as they lie in the flash.
 uint16_t flash_crc();
+
+// By a reset, which ends whatever the pins do. A board without the boot loader starts the firmware again.
+[[noreturn]] void enter_loader();
 
 }  // namespace avr
 }  // namespace beltpick
