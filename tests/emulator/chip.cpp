@@ -29,30 +29,23 @@ struct PinName {
 
 struct Board {
   const char* mcu;
-  const char* elf;
   PinName out[5];
   PinName in[4];
 };
 
 // As pins.hpp of the boards has them.
 constexpr Board kBoards[] = {
-    {"atmega2560",
-     BELTPICK_FIRMWARE_DIR "/trigger_atmega2560.elf",
-     {{'L', 3}, {'L', 4}, {'A', 0}, {'A', 1}, {'A', 2}},
-     {{'L', 1}, {'D', 0}, {'D', 1}, {'B', 4}}},
-    {"atmega328p",
-     BELTPICK_FIRMWARE_DIR "/trigger_atmega328p.elf",
-     {{'B', 1}, {'B', 2}, {'D', 5}, {'D', 6}, {'D', 7}},
-     {{'B', 0}, {'D', 2}, {'D', 3}, {'D', 4}}},
+    {"atmega2560", {{'L', 3}, {'L', 4}, {'A', 0}, {'A', 1}, {'A', 2}}, {{'L', 1}, {'D', 0}, {'D', 1}, {'B', 4}}},
+    {"atmega328p", {{'B', 1}, {'B', 2}, {'D', 5}, {'D', 6}, {'D', 7}}, {{'B', 0}, {'D', 2}, {'D', 3}, {'D', 4}}},
 };
 
 void (*reset_of_core)(avr_t*) = nullptr;  // the same for every chip of a kind
 
 const Board& board(Mcu mcu) { return kBoards[static_cast<std::size_t>(mcu)]; }
 
-std::uint16_t load(avr_t* avr, const Board& board) {
+std::uint16_t load(avr_t* avr, const Board& board, const std::string& elf) {
   elf_firmware_t firmware{};
-  if (elf_read_firmware(board.elf, &firmware) != 0) throw std::runtime_error(std::string("cannot read ") + board.elf);
+  if (elf_read_firmware(elf.c_str(), &firmware) != 0) throw std::runtime_error("cannot read " + elf);
   std::strncpy(firmware.mmcu, board.mcu, sizeof firmware.mmcu - 1);
   firmware.frequency = static_cast<std::uint32_t>(kCyclesPerUs * 1'000'000);
   avr_load_firmware(avr, &firmware);
@@ -61,12 +54,12 @@ std::uint16_t load(avr_t* avr, const Board& board) {
 
 }  // namespace
 
-Chip::Chip(Mcu mcu) : mcu_(mcu), avr_(avr_make_mcu_by_name(board(mcu).mcu)) {
+Chip::Chip(Mcu mcu, const std::string& elf) : mcu_(mcu), avr_(avr_make_mcu_by_name(board(mcu).mcu)) {
   if (avr_ == nullptr) throw std::runtime_error(std::string("libsimavr has no ") + board(mcu).mcu);
   avr_init(avr_);
   avr_->log = LOG_NONE;
   avr_->sleep = [](avr_t*, avr_cycle_count_t) {};  // our time passes in cycles, not in seconds
-  flash_crc_ = load(avr_, board(mcu));
+  flash_crc_ = load(avr_, board(mcu), elf);
   reset_of_core = avr_->reset;
   avr_->custom.data = this;
   avr_->reset = [](avr_t* avr) {
@@ -210,6 +203,8 @@ void Chip::hang() {
 
 void Chip::was_reset() {
   ++resets_;
+  // The pins float, and the board's pull-downs take them low.
+  for (const Watch& watched : watches_) note(watched.pin, false);
   if (!patch_.at) return;
   avr_->flash[*patch_.at] = patch_.low;
   avr_->flash[*patch_.at + 1] = patch_.high;

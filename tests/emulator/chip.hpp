@@ -30,8 +30,10 @@ struct PinEdge {
 
 class Chip {
  public:
-  // Powers the board up with its belt standing and the emergency stop released, and lets it start (0.2 s of its time).
-  explicit Chip(Mcu mcu);
+  // Powers the board up with the program of an ELF file, its belt standing and the emergency stop released, and lets it
+  // start (0.2 s of its time). Throws std::runtime_error where libsimavr does not know the chip or cannot read the
+  // file.
+  Chip(Mcu mcu, const std::string& elf);
   ~Chip();
   Chip(const Chip&) = delete;
   Chip& operator=(const Chip&) = delete;

@@ -1,16 +1,8 @@
 #include "emulator/live_line.hpp"
 
-#include <chrono>
-
 namespace emulator {
 
-namespace {
-using Clock = std::chrono::steady_clock;
-constexpr std::chrono::microseconds kSlice(500);
-constexpr std::chrono::milliseconds kMostToCatchUp(20);
-}  // namespace
-
-LiveLine::LiveLine(Chip& chip) : chip_(chip) {
+LiveLine::LiveLine(Chip& chip) : chip_(chip, "") {
   thread_ = std::thread([this] { run(); });
 }
 
@@ -20,26 +12,13 @@ LiveLine::~LiveLine() {
 }
 
 void LiveLine::run() {
-  Clock::time_point due = Clock::now();
   while (!stopping_) {
     {
       const std::lock_guard lock(mutex_);
-      chip_.run_us(kSlice.count());
-      pump();
+      chip_.turn();
     }
-    due += kSlice;
-    const Clock::time_point now = Clock::now();
-    if (now - due > kMostToCatchUp) due = now;
-    std::this_thread::sleep_until(due);
+    std::this_thread::sleep_for(LiveChip::kStep);
   }
-}
-
-void LiveLine::pump() {
-  const std::vector<std::uint8_t> sent = chip_.received();
-  terminal_.write(sent.data(), sent.size());
-  std::uint8_t bytes[256];
-  const std::size_t count = terminal_.read(bytes, sizeof bytes);
-  if (count > 0) chip_.send({bytes, bytes + count});
 }
 
 }  // namespace emulator

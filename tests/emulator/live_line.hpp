@@ -1,13 +1,11 @@
-// LiveLine: lets a chip run in real time in a thread of its own, its serial line on a pseudo-terminal that any program
-// opens as it would the real one. Where the PC is late the chip's time stands still: it never jumps.
+// LiveLine: lets a chip run in real time in a thread of its own, for a test that talks to it over its serial line.
 #pragma once
 
 #include <atomic>
 #include <mutex>
 #include <thread>
 
-#include "emulator/chip.hpp"
-#include "host/pseudo_terminal.hpp"
+#include "emulator/live_chip.hpp"
 
 namespace emulator {
 
@@ -18,16 +16,14 @@ class LiveLine {
   LiveLine(const LiveLine&) = delete;
   LiveLine& operator=(const LiveLine&) = delete;
 
-  [[nodiscard]] const std::string& tty() const { return terminal_.tty(); }
+  [[nodiscard]] const std::string& tty() const { return chip_.tty(); }
   // The chip belongs to the thread; this stops it for as long as the lock is held.
   [[nodiscard]] std::unique_lock<std::mutex> hold() { return std::unique_lock(mutex_); }
 
  private:
   void run();
-  void pump();
 
-  Chip& chip_;
-  beltpick::host::PseudoTerminal terminal_{""};
+  LiveChip chip_;
   std::mutex mutex_;
   std::atomic<bool> stopping_{false};
   std::thread thread_;

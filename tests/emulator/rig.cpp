@@ -5,7 +5,16 @@
 
 namespace emulator {
 
-Rig::Rig(Mcu mcu) : chip(mcu) {
+namespace {
+
+std::string firmware(Mcu mcu) {
+  return std::string(BELTPICK_FIRMWARE_DIR) +
+         (mcu == Mcu::kAtmega2560 ? "/trigger_atmega2560.elf" : "/trigger_atmega328p.elf");
+}
+
+}  // namespace
+
+Rig::Rig(Mcu mcu) : chip(mcu, firmware(mcu)) {
   chip.on_edge = [this](const PinEdge& edge) { on_edge(edge); };
 }
 

@@ -20,18 +20,10 @@
 #include <thread>
 
 #include "core/device.hpp"
+#include "host/pin_edge.hpp"
 #include "host/pseudo_terminal.hpp"
 
 namespace beltpick::host {
-
-enum class Pin : std::uint8_t { kBusy, kProjectorAdvance, kCameraTrigger, kDone, kFault };
-
-struct PinEdge {
-  Pin pin = Pin::kBusy;
-  bool level = false;
-  std::uint32_t board_us = 0;  // the board's clock: differences are exactly as armed; wraps
-  std::int64_t at_ns = 0;      // CLOCK_MONOTONIC when it happened
-};
 
 struct BoardOptions {
   std::string link;           // where a link to the tty is made; empty for none
