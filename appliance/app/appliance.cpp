@@ -31,14 +31,14 @@ constexpr int kExitHung = 3;
 // The microcontroller's interlock inputs.
 class TriggerLines : public DigitalLines {
  public:
-  explicit TriggerLines(const capture::TriggerLink& trigger) : trigger_(trigger) {}
+  explicit TriggerLines(const capture::TriggerSource& trigger) : trigger_(trigger) {}
   LineLevels read() override {
     const capture::TriggerInputs inputs = trigger_.inputs();
     return {inputs.known, inputs.belt_stopped, inputs.emergency_stop};
   }
 
  private:
-  const capture::TriggerLink& trigger_;
+  const capture::TriggerSource& trigger_;
 };
 
 cycle::CycleConfig cycle_config(const Settings& settings) {

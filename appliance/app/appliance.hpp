@@ -18,6 +18,7 @@
 #include "app/settings.hpp"
 #include "app/vision_thread.hpp"
 #include "app/watchdog.hpp"
+#include "capture/trigger_link.hpp"
 #include "plc/modbus_server.hpp"
 
 namespace beltpick::app {

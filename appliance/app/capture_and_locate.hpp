@@ -10,7 +10,7 @@
 #include "app/vision_work.hpp"
 #include "capture/camera.hpp"
 #include "capture/capture_run.hpp"
-#include "capture/trigger_link.hpp"
+#include "capture/trigger_source.hpp"
 #include "pipeline/locate.hpp"
 #include "pipeline/measure.hpp"
 #include "segment/segmenter.hpp"
@@ -21,7 +21,7 @@ class CaptureAndLocate : public VisionWork {
  public:
   struct Neighbours {
     capture::Camera& camera;
-    capture::TriggerLink& trigger;
+    capture::TriggerSource& trigger;
     const ModelHub& hub;
     Recorder& recorder;
     RunBook& book;

@@ -12,7 +12,7 @@
 #include "app/settings.hpp"
 #include "base/clock.hpp"
 #include "capture/camera.hpp"
-#include "capture/trigger_link.hpp"
+#include "capture/trigger_source.hpp"
 #include "plc/plc_exchange.hpp"
 #include "service/cell_side.hpp"
 
@@ -26,7 +26,7 @@ class ApplianceCellSide : public service::CellSide {
     const RunBook& book;
     const plc::PlcExchange& plc;
     const capture::Camera& camera;
-    const capture::TriggerLink& trigger;
+    const capture::TriggerSource& trigger;
     std::size_t budget_bytes = 0;
     std::function<service::SelfTestReport()> self_test;
   };

@@ -125,7 +125,7 @@ void take_word(const service::DaemonWord& word, std::initializer_list<ResultCode
   }
 }
 
-void wait_for_devices(const capture::Camera& camera, const capture::TriggerLink& trigger) {
+void wait_for_devices(const capture::Camera& camera, const capture::TriggerSource& trigger) {
   const std::int64_t began_us = monotonic_us();
   const auto waits = [&] {
     const std::int64_t waited_us = monotonic_us() - began_us;
@@ -161,7 +161,7 @@ service::SelfTestFacts gather_facts(const SelfTestOf& of) {
   return facts;
 }
 
-service::SelfTestFacts gather_facts_alone(SelfTestOf of, capture::Camera& camera, capture::TriggerLink& trigger) {
+service::SelfTestFacts gather_facts_alone(SelfTestOf of, capture::Camera& camera, capture::TriggerSource& trigger) {
   const Settings& settings = of.settings;
   of.plc_port = service::find_port(settings.plc_address, settings.plc_port);
   const auto word = of.plc_port.state == PortState::kFree

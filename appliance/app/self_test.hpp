@@ -4,7 +4,7 @@
 #include "app/settings.hpp"
 #include "base/arena.hpp"
 #include "capture/camera.hpp"
-#include "capture/trigger_link.hpp"
+#include "capture/trigger_source.hpp"
 #include "service/self_test_facts.hpp"
 
 namespace beltpick::app {
@@ -15,7 +15,7 @@ class ModelHub;
 struct SelfTestOf {
   const Settings& settings;
   const capture::Camera& camera;
-  const capture::TriggerLink& trigger;
+  const capture::TriggerSource& trigger;
   const ModelHub& hub;
   bool memory_locked = false;
   std::int64_t memory_bytes = 0;
@@ -27,6 +27,6 @@ service::SelfTestFacts gather_facts(const SelfTestOf& of);
 
 // For an appliance that does not run: opens camera and trigger box and gives them some seconds; leaves them alone where
 // a running beltpickd has them, and takes its word.
-service::SelfTestFacts gather_facts_alone(SelfTestOf of, capture::Camera& camera, capture::TriggerLink& trigger);
+service::SelfTestFacts gather_facts_alone(SelfTestOf of, capture::Camera& camera, capture::TriggerSource& trigger);
 
 }  // namespace beltpick::app

@@ -65,7 +65,7 @@ struct CaptureRun::Progress {
   [[nodiscard]] int wanted() const { return static_cast<int>(plan.frames.size()); }
 };
 
-CaptureRun::CaptureRun(Camera& camera, TriggerLink& trigger, int max_frames, Arena& arena)
+CaptureRun::CaptureRun(Camera& camera, TriggerSource& trigger, int max_frames, Arena& arena)
     : camera_(camera), trigger_(trigger), check_(max_frames, arena) {}
 
 Result<CaptureReport> CaptureRun::run(const CapturePlan& plan, FrameSink& sink, const std::atomic<ResultCode>& cancel) {

@@ -12,7 +12,7 @@
 #include "capture/camera.hpp"
 #include "capture/capture_plan.hpp"
 #include "capture/frame_check.hpp"
-#include "capture/trigger_link.hpp"
+#include "capture/trigger_source.hpp"
 #include "contract/result_codes.hpp"
 
 namespace beltpick::capture {
@@ -34,7 +34,7 @@ struct CaptureReport {
 class CaptureRun {
  public:
   // `max_frames`: the declared limit (Limits::frames); the check's samples come from the arena.
-  CaptureRun(Camera& camera, TriggerLink& trigger, int max_frames, Arena& arena);
+  CaptureRun(Camera& camera, TriggerSource& trigger, int max_frames, Arena& arena);
 
   // Runs one capture; blocks for its duration. `cancel` is looked at every few milliseconds: any code but kOk aborts
   // the capture with that code (robot in view, belt moved by the register, emergency stop, timeout, clean stop). A
@@ -62,7 +62,7 @@ class CaptureRun {
   void doubt_anchor(const Error& error);
 
   Camera& camera_;
-  TriggerLink& trigger_;
+  TriggerSource& trigger_;
   FrameCheck check_;
   // Which frame id belongs to which trigger number; holds from capture to capture, so that a straggler of a capture
   // that failed is never taken for a frame of the next.

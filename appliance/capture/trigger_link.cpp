@@ -23,34 +23,7 @@ constexpr int kReopenMs = 250;
 constexpr std::int64_t kIdentifyEveryUs = 250'000;
 constexpr std::int64_t kIdentifyPatienceUs = 3'000'000;  // a board that resets when it is opened needs two seconds
 
-ResultCode refusal_code(Refusal refusal) {
-  switch (refusal) {
-    case Refusal::kBeltNotStopped:
-      return ResultCode::kBeltMovedDuringCapture;
-    case Refusal::kEmergencyStopPressed:
-      return ResultCode::kEmergencyStop;
-    case Refusal::kNoFrames:
-    case Refusal::kTooManyGroups:
-    case Refusal::kTooManyFrames:
-    case Refusal::kExposureOutOfRange:
-    case Refusal::kSettleTooShort:
-    case Refusal::kPeriodTooShort:
-    case Refusal::kPeriodTooLong:
-      return ResultCode::kValueOutOfRange;
-    case Refusal::kStrobeActive:
-      return capture::code_of(Fault::kStrobeTooLong);
-    default:
-      return ResultCode::kInternal;
-  }
-}
-
 }  // namespace
-
-ResultCode code_of(Fault fault) {
-  if (fault == Fault::kBeltMoved) return ResultCode::kBeltMovedDuringCapture;
-  if (fault == Fault::kEmergencyStop) return ResultCode::kEmergencyStop;
-  return static_cast<ResultCode>(static_cast<int>(ResultCode::kFirmwareFaultBase) + static_cast<int>(fault));
-}
 
 TriggerLink::TriggerLink(const TriggerConfig& config) : config_(config) {
   error_ = failure(ResultCode::kTriggerLost, "trigger %s: not opened yet", config_.tty.c_str()).error();
@@ -294,7 +267,7 @@ Result<void> TriggerLink::request(Type type, const Payload& payload, const char*
   const Result<Refusal> refusal = exchange(frame, size, sequence, what);
   if (!refusal) return std::unexpected(refusal.error());
   if (*refusal == Refusal::kNone) return {};
-  const ResultCode code = *refusal == Refusal::kFaultLatched ? code_of(status().fault) : refusal_code(*refusal);
+  const ResultCode code = *refusal == Refusal::kFaultLatched ? code_of(status().fault) : code_of(*refusal);
   return failure(code, "trigger %s: %s refused: %s", config_.tty.c_str(), what, protocol::refusal_text(*refusal));
 }
 

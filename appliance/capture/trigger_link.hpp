@@ -1,8 +1,5 @@
 // TriggerLink: the appliance's end of the trigger protocol (trigger_fw/protocol/PROTOCOL.md). A thread of its own opens
 // the tty, identifies the firmware, polls its status, and opens it anew after a loss. Allocates nothing after start().
-//
-// Requests block their caller until the reply (some 100 ms at worst per try) and may come from any one thread at a
-// time.
 #pragma once
 
 #include <atomic>
@@ -15,6 +12,7 @@
 
 #include "base/result.hpp"
 #include "base/ring.hpp"
+#include "capture/trigger_source.hpp"
 #include "protocol/messages.hpp"
 
 namespace beltpick::capture {
@@ -27,59 +25,28 @@ struct TriggerConfig {
   int lost_ms = 500;  // without a good message the firmware is lost
 };
 
-// The interlock inputs of the microcontroller. Not known means not safe: belt_stopped is false then.
-struct TriggerInputs {
-  bool known = false;
-  bool belt_stopped = false;
-  bool emergency_stop = false;
-  std::int64_t changed_us = 0;  // monotonic_us() when we heard of the last change
-};
-
-struct TriggerEvent {
-  protocol::Type type = protocol::Type::kFrameEvent;  // kFrameEvent, kDoneEvent or kFaultEvent
-  protocol::FrameEvent frame;
-  protocol::DoneEvent done;
-  protocol::FaultEvent fault;
-};
-
-// The appliance's code for a firmware fault: 200 + n, except for what the register table names itself (belt moved,
-// emergency stop).
-ResultCode code_of(protocol::Fault fault);
-
-class TriggerLink {
+class TriggerLink : public TriggerSource {
  public:
   explicit TriggerLink(const TriggerConfig& config);
-  ~TriggerLink();
+  ~TriggerLink() override;
   TriggerLink(const TriggerLink&) = delete;
   TriggerLink& operator=(const TriggerLink&) = delete;
 
-  // Starts the thread; returns at once.
-  void start();
-
-  // True while the firmware is identified and answers.
-  [[nodiscard]] bool connected() const { return connected_; }
-  // Why it is not: kTriggerLost with the reason.
-  [[nodiscard]] Error last_error() const;
-  [[nodiscard]] TriggerInputs inputs() const;
-  // True once it is known whether the firmware answers.
-  [[nodiscard]] bool tried() const { return tried_; }
-  // The firmware found last; nothing before.
-  [[nodiscard]] std::optional<protocol::Identity> identity() const;
-  // The latest STATUS of the firmware; at most poll_ms old while connected.
-  [[nodiscard]] protocol::StatusReport status() const;
-
-  // Asks for a STATUS and waits for it: status() is then of now.
-  Result<void> refresh_status();
-  // Arms the sequence under a new id, which is returned. kValueOutOfRange when the firmware says it cannot be run.
-  Result<std::uint16_t> arm(protocol::Arm sequence);
-  // kBeltMovedDuringCapture or kEmergencyStop when the interlocks forbid it.
-  Result<void> start_sequence(std::uint16_t arm_id);
-  Result<void> abort();
-  // Ends a latched firmware fault. kEmergencyStop while that is pressed.
-  Result<void> clear();
-
-  // The events of the running sequence, in order; for one consumer. Those of an older arm id are the caller's to skip.
-  std::optional<TriggerEvent> next_event() { return events_.pop(); }
+  void start() override;
+  // Connected: the firmware is identified and answers.
+  [[nodiscard]] bool connected() const override { return connected_; }
+  [[nodiscard]] Error last_error() const override;
+  [[nodiscard]] bool tried() const override { return tried_; }
+  [[nodiscard]] TriggerInputs inputs() const override;
+  [[nodiscard]] std::optional<protocol::Identity> identity() const override;
+  // At most poll_ms old while connected.
+  [[nodiscard]] protocol::StatusReport status() const override;
+  Result<void> refresh_status() override;
+  Result<std::uint16_t> arm(protocol::Arm sequence) override;
+  Result<void> start_sequence(std::uint16_t arm_id) override;
+  Result<void> abort() override;
+  Result<void> clear() override;
+  std::optional<TriggerEvent> next_event() override { return events_.pop(); }
   // Events that the wire or a full ring lost since start().
   [[nodiscard]] unsigned events_lost() const { return events_lost_; }
 

@@ -13,6 +13,7 @@
 
 #include "base/clock.hpp"
 #include "capture/capture_run.hpp"
+#include "capture/trigger_link.hpp"
 #include "host/board.hpp"
 #include "patterns.hpp"
 #include "virtual_cell/gige/camera.hpp"
