@@ -28,7 +28,10 @@ core::BoardTiming board_timing() {
 protocol::Identity identity() {
   protocol::Identity identity;
   identity.board = kBoardKind;
-  identity.firmware_minor = 1;
+  constexpr uint8_t kVersion[] = {BELTPICK_FIRMWARE_VERSION};
+  identity.firmware_major = kVersion[0];
+  identity.firmware_minor = kVersion[1];
+  identity.firmware_patch = kVersion[2];
   identity.tick_ns = kTick_ns;
   identity.min_exposure_us = kMinExposure_us;
   identity.min_period_us = kMinPeriod_us;
