@@ -10,8 +10,10 @@ extern "C" {
 
 #include <algorithm>
 #include <cstring>
+#include <random>
 #include <stdexcept>
 
+#include "boot/seal.hpp"
 #include "protocol/framing.hpp"
 
 namespace emulator {
@@ -54,20 +56,37 @@ std::uint16_t load(avr_t* avr, const Board& board, const std::string& elf) {
 
 }  // namespace
 
-Chip::Chip(Mcu mcu, const std::string& elf) : mcu_(mcu), avr_(avr_make_mcu_by_name(board(mcu).mcu)) {
+Chip::Chip(Mcu mcu, const std::string& elf) : Chip(mcu) {
+  flash_crc_ = load(avr_, board(mcu), elf);
+  power_up();
+}
+
+Chip::Chip(Mcu mcu, const beltpick::boot::FlashImage& flash) : Chip(mcu) {
+  for (std::uint32_t at = 0; at <= avr_->flashend; ++at) avr_->flash[at] = flash.byte(at);
+  avr_->frequency = static_cast<std::uint32_t>(kCyclesPerUs * 1'000'000);
+  avr_->codeend = avr_->flashend;
+  const beltpick::boot::ChipLayout& layout = *beltpick::boot::find_chip(std::string(board(mcu).mcu));
+  flash_crc_ = beltpick::protocol::crc16(avr_->flash, flash.end(beltpick::boot::firmware_limit(layout)));
+  if (flash.has(layout.loader_start)) avr_->reset_pc = avr_->pc = layout.loader_start;
+  power_up();
+}
+
+Chip::Chip(Mcu mcu) : mcu_(mcu), avr_(avr_make_mcu_by_name(board(mcu).mcu)) {
   if (avr_ == nullptr) throw std::runtime_error(std::string("libsimavr has no ") + board(mcu).mcu);
   avr_init(avr_);
   avr_->log = LOG_NONE;
   avr_->sleep = [](avr_t*, avr_cycle_count_t) {};  // our time passes in cycles, not in seconds
-  flash_crc_ = load(avr_, board(mcu), elf);
   reset_of_core = avr_->reset;
   avr_->custom.data = this;
   avr_->reset = [](avr_t* avr) {
     reset_of_core(avr);
     static_cast<Chip*>(avr->custom.data)->was_reset();
   };
+}
+
+void Chip::power_up() {
   std::fill(avr_->data + 0x200, avr_->data + avr_->ramend + 1, kPaint);
-  for (std::size_t i = 0; i < 5; ++i) watch(static_cast<Out>(i), board(mcu).out[i].port, board(mcu).out[i].bit);
+  for (std::size_t i = 0; i < 5; ++i) watch(static_cast<Out>(i), board(mcu_).out[i].port, board(mcu_).out[i].bit);
   connect_line();
   // Until the firmware has set it, an external interrupt is by level; the emulator would then raise it for ever.
   avr_extint_set_strict_lvl_trig(avr_, 0, 0);
@@ -209,6 +228,21 @@ void Chip::was_reset() {
   avr_->flash[*patch_.at] = patch_.low;
   avr_->flash[*patch_.at + 1] = patch_.high;
   patch_.at.reset();
+}
+
+void Chip::reset_by_pin() {
+  avr_reset(avr_);
+  avr_regbit_set(avr_, avr_->reset_flags.extrf);
+}
+
+void Chip::power_cycle(std::uint32_t seed) {
+  to_send_.clear();
+  received_.clear();
+  avr_reset(avr_);
+  std::minstd_rand chance(seed);
+  std::generate(avr_->data + 0x200, avr_->data + avr_->ramend + 1,
+                [&] { return static_cast<std::uint8_t>(chance() >> 8U); });
+  avr_regbit_set(avr_, avr_->reset_flags.porf);
 }
 
 std::size_t Chip::stack_bytes() const {

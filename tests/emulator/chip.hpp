@@ -10,6 +10,8 @@
 #include <string>
 #include <vector>
 
+#include "boot/flash_image.hpp"
+
 struct avr_t;
 struct avr_irq_t;
 
@@ -34,6 +36,8 @@ class Chip {
   // start (0.2 s of its time). Throws std::runtime_error where libsimavr does not know the chip or cannot read the
   // file.
   Chip(Mcu mcu, const std::string& elf);
+  // The same of a board whose flash holds this; with a boot loader in it, it starts there, as its fuses would have it.
+  Chip(Mcu mcu, const beltpick::boot::FlashImage& flash);
   ~Chip();
   Chip(const Chip&) = delete;
   Chip& operator=(const Chip&) = delete;
@@ -57,6 +61,10 @@ class Chip {
   // The main loop stands still for ever from now on; interrupts still come. The next reset finds it whole again.
   void hang();
   [[nodiscard]] int resets() const { return resets_; }
+  // The reset pin falls and rises, as a serial line's DTR makes it.
+  void reset_by_pin();
+  // The power goes and comes: the flash keeps what it has, the RAM holds chance (of this seed), the line nothing.
+  void power_cycle(std::uint32_t seed);
   // CRC-16 over the program as it was loaded.
   [[nodiscard]] std::uint16_t flash_crc() const { return flash_crc_; }
   // RAM that the stack has used at most.
@@ -68,6 +76,8 @@ class Chip {
     Out pin = Out::kCamera;
   };
 
+  explicit Chip(Mcu mcu);
+  void power_up();
   void watch(Out pin, char port, int bit);
   void connect_line();
   void next_byte();

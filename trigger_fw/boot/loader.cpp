@@ -50,7 +50,7 @@ class Loader {
         confirm();
         break;
       case stk500::kSetDeviceExtended:
-        skip(5);
+        skip(static_cast<uint8_t>(take() - 1U));  // its length comes first, and counts itself
         confirm();
         break;
       case stk500::kLoadAddress:

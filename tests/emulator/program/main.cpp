@@ -9,16 +9,19 @@
 #include <exception>
 #include <memory>
 #include <string>
+#include <vector>
 
-#include "elf_mcu.hpp"
+#include "chip_of_files.hpp"
 #include "emulator/live_chip.hpp"
 #include "emulator/pin_wires.hpp"
 
 namespace {
 
 constexpr const char* kUsage =
-    "trigger_emulator --elf FILE [--line LINK] [--pins FD]\n"
+    "trigger_emulator --elf FILE | --flash FILE... [--line LINK] [--pins FD]\n"
     "  --elf FILE   the firmware as it would be flashed: trigger_atmega2560.elf or trigger_atmega328p.elf\n"
+    "  --flash FILE instead: a .hex of what is in the flash, repeated for firmware and boot loader: beltpick flash\n"
+    "               can then give it another firmware\n"
     "  --line LINK  where a link to the serial line's tty is made; without it the tty's name is printed\n"
     "  --pins FD    an open SOCK_SEQPACKET socket to the cell; without it the belt stands and no camera answers\n"
     "Runs until SIGTERM, or until the cell hangs up.\n"
@@ -29,6 +32,7 @@ void want_stop(int) { stop_wanted = 1; }
 
 struct Options {
   std::string elf, line;
+  std::vector<std::string> flash;
   int pins = -1;
 };
 
@@ -47,11 +51,10 @@ int descriptor(const char* text) {
 }
 
 Options parse(int argc, char** argv) {
-  static constexpr option kLong[] = {{"elf", required_argument, nullptr, 'e'},
-                                     {"line", required_argument, nullptr, 'l'},
-                                     {"pins", required_argument, nullptr, 'p'},
-                                     {"help", no_argument, nullptr, 'h'},
-                                     {}};
+  static constexpr option kLong[] = {
+      {"elf", required_argument, nullptr, 'e'},  {"flash", required_argument, nullptr, 'f'},
+      {"line", required_argument, nullptr, 'l'}, {"pins", required_argument, nullptr, 'p'},
+      {"help", no_argument, nullptr, 'h'},       {}};
   Options options;
   for (int given = 0; (given = getopt_long(argc, argv, "h", kLong, nullptr)) != -1;) {
     if (given == 'h') {
@@ -60,22 +63,23 @@ Options parse(int argc, char** argv) {
     }
     if (given == '?') std::exit(2);
     if (given == 'e') options.elf = optarg;
+    if (given == 'f') options.flash.emplace_back(optarg);
     if (given == 'l') options.line = optarg;
     if (given == 'p') options.pins = descriptor(optarg);
   }
   if (optind < argc) refuse(std::string("unexpected '") + argv[optind] + "'");
-  if (options.elf.empty()) refuse("--elf is missing");
+  if (options.elf.empty() == options.flash.empty()) refuse("expected either --elf or --flash");
   return options;
 }
 
 void run(const Options& options) {
-  emulator::Chip chip(emulator::mcu_of_elf(options.elf), options.elf);
-  emulator::LiveChip live(chip, options.line);
+  const std::unique_ptr<emulator::Chip> chip = emulator::make_chip(options.elf, options.flash);
+  emulator::LiveChip live(*chip, options.line);
   std::unique_ptr<beltpick::host::PinLink> link;
   std::unique_ptr<emulator::PinWires> wires;
   if (options.pins >= 0) {
     link = std::make_unique<beltpick::host::PinLink>(options.pins);
-    wires = std::make_unique<emulator::PinWires>(chip, live, *link);
+    wires = std::make_unique<emulator::PinWires>(*chip, live, *link);
   }
   if (options.line.empty()) {
     std::printf("%s\n", live.tty().c_str());
