@@ -16,21 +16,20 @@
 namespace beltpick::pipeline {
 namespace {
 
-// Parts lean on one another a few deep; each round uncovers at least one.
-constexpr int kRounds = 4;
+// Every effort for whole objects and for fragments makes nine rounds; parts lean on one another a few deep, and each
+// round that uncovers one begins anew.
+constexpr int kRounds = 24;
 // Pieces of one part lie no farther apart than this share of its size.
 constexpr double kFragmentReachShare = 0.12;
-// Less than this share of the smallest view of the smallest part is not searched by itself.
-constexpr double kLeastViewShare = 0.08;
 // A gripper or a picked part may drag what lies nearer than this.
 constexpr float kTouch_mm = 4.0F;
 
-double least_area_mm2(std::span<const PartModel> models) {
+double smallest_view_mm2(std::span<const PartModel> models) {
   float least = std::numeric_limits<float>::max();
   for (const PartModel& model : models) {
     for (const PartView& view : model.views) least = std::min(least, view.seen_area);
   }
-  return kLeastViewShare * static_cast<double>(least);
+  return static_cast<double>(least);
 }
 
 double fragment_reach_mm(std::span<const PartModel> models) {
@@ -52,8 +51,9 @@ Locator::Locator(Arena& arena, const Limits& limits, int workers)
       part_candidates_(arena.take<Candidate>("locate: results", static_cast<std::size_t>(limits.parts))),
       order_(arena.take<std::size_t>("locate: results", static_cast<std::size_t>(limits.parts))),
       withheld_(arena.take<WithheldObject>("locate: results", static_cast<std::size_t>(limits.segments))),
-      object_ms_(arena.take<double>("locate: results", static_cast<std::size_t>(kRounds * limits.segments))),
-      tried_(arena.take<std::uint16_t>("locate: results", static_cast<std::size_t>(kRounds * limits.segments))) {
+      attempt_ms_(arena.take<double>("locate: results", static_cast<std::size_t>(limits.segments))),
+      object_ms_(arena.take<double>("locate: results", static_cast<std::size_t>(limits.segments))),
+      tried_(arena.take<std::uint16_t>("locate: results", static_cast<std::size_t>(limits.segments))) {
   finders_.reserve(static_cast<std::size_t>(workers));
   for (int i = 0; i < workers; ++i) finders_.emplace_back(arena, limits);
   team_ = std::make_unique<WorkerTeam>(arena.measuring() ? 1 : workers);
@@ -65,7 +65,7 @@ LocateOutput Locator::locate(const LocateInput& input, std::span<const PartModel
   scene.noise_mm = measurement_noise_mm(input.range, input.labels);
   accepted_count_ = tried_count_ = 0;
   refused_grasps_ = input.refused_grasps;
-  book_.begin(scene, input.segments, least_area_mm2(models));
+  book_.begin(scene, input.segments, smallest_view_mm2(models));
   for (int round = 0; round < kRounds; ++round) {
     const auto objects = book_.next_round(scene, fragment_reach_mm(models));
     if (objects.empty()) break;
@@ -76,7 +76,7 @@ LocateOutput Locator::locate(const LocateInput& input, std::span<const PartModel
   const std::size_t withheld = book_.withheld(withheld_);
   rank(scene, models, gripper);
   return {ranked_.first(accepted_count_), withheld_.first(withheld), part_candidates_.first(accepted_count_),
-          object_ms_.first(tried_count_), tried_.first(tried_count_)};
+          tried_.first(tried_count_), object_ms_.first(tried_count_)};
 }
 
 void Locator::search(const result::Scene& scene, std::span<const PartModel> models, std::span<const Object> objects,
@@ -85,13 +85,22 @@ void Locator::search(const result::Scene& scene, std::span<const PartModel> mode
     const auto index = static_cast<std::size_t>(task);
     const Stopwatch watch;
     const Object& object = objects[index];
-    attempts_[index] = finders_[static_cast<std::size_t>(worker)].find(scene, book_.owner(), object, models,
-                                                                       seed * 65536U + object.labels[0]);
-    object_ms_[tried_count_ + index] = watch.elapsed_ms();
-    tried_[tried_count_ + index] = object.labels[0];
+    attempts_[index] = finders_[static_cast<std::size_t>(worker)].find(
+        scene, book_.owner(), object, models, seed * 65536U + object.labels[0], book_.effort());
+    attempt_ms_[index] = watch.elapsed_ms();
   };
   team_->run(static_cast<int>(objects.size()), job);
-  tried_count_ += objects.size();
+  for (std::size_t i = 0; i < objects.size(); ++i) add_time(objects[i].labels[0], attempt_ms_[i]);
+}
+
+void Locator::add_time(std::uint16_t segment, double ms) {
+  const auto known = tried_.first(tried_count_);
+  const auto at = static_cast<std::size_t>(std::find(known.begin(), known.end(), segment) - known.begin());
+  if (at == tried_count_) {
+    tried_[tried_count_] = segment;
+    object_ms_[tried_count_++] = 0.0;
+  }
+  object_ms_[at] += ms;
 }
 
 // The strongest pose first; a weaker one that claims the same surface gives way.
@@ -117,24 +126,24 @@ void Locator::settle(const result::Scene& scene, std::span<const PartModel> mode
     const PartModel& model = models[static_cast<std::size_t>(attempt.best.model_index)];
     drawing_.draw(model, attempt.best.alignment.T_camera_part, scene.lens);
     book_.explain(scene, model, attempt.best.alignment.T_camera_part, drawing_.region());
-    attempt.stage = Stage::kRank;
     attempt.reason = {};
+    attempt.stage = Stage::kRank;
+  }
+  for (std::size_t i = 0; i < objects.size(); ++i) {
+    if (attempts_[i].stage != Stage::kRank) book_.failed(objects[i], attempts_[i]);
   }
   claim_ambiguous(scene, models, objects);
-  for (std::size_t i = 0; i < objects.size(); ++i) {
-    if (attempts_[i].reason.code != ResultCode::kOk) book_.failed(objects[i], attempts_[i].stage, attempts_[i].reason);
-  }
 }
 
 // A part is there, though its pose cannot be told: no other part may be made of its surface.
 void Locator::claim_ambiguous(const result::Scene& scene, std::span<const PartModel> models,
                               std::span<const Object> objects) {
-  for (std::size_t i = 0; i < objects.size(); ++i) {
-    const Attempt& attempt = attempts_[i];
-    if (attempt.reason.code != ResultCode::kPoseAmbiguous || taken(scene, models, attempt.best)) continue;
-    const PartModel& model = models[static_cast<std::size_t>(attempt.best.model_index)];
-    drawing_.draw(model, attempt.best.alignment.T_camera_part, scene.lens);
-    book_.explain(scene, model, attempt.best.alignment.T_camera_part, drawing_.region());
+  for (const Object& object : objects) {
+    const Attempt* attempt = book_.last_word(object);
+    if (attempt == nullptr || !attempt->ambiguous() || taken(scene, models, attempt->best)) continue;
+    const PartModel& model = models[static_cast<std::size_t>(attempt->best.model_index)];
+    drawing_.draw(model, attempt->best.alignment.T_camera_part, scene.lens);
+    book_.explain(scene, model, attempt->best.alignment.T_camera_part, drawing_.region());
   }
 }
 

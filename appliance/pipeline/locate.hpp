@@ -34,8 +34,8 @@ struct LocateOutput {
   std::span<const LocatedPart> parts;  // in pick order: those that can be gripped first, top-most first
   std::span<const WithheldObject> withheld;
   std::span<const Candidate> candidates;  // of each of `parts`: how it was found
-  std::span<const double> object_ms;      // time spent on each entry of `tried`
-  std::span<const std::uint16_t> tried;   // the segment each search began with
+  std::span<const std::uint16_t> tried;   // segments that were searched, each by itself or as the first of several
+  std::span<const double> object_ms;      // time spent on each of them
 };
 
 class Locator {
@@ -43,8 +43,8 @@ class Locator {
   // Takes the memory of `workers` pose workers and starts their threads (none for one worker, nor when measuring).
   Locator(Arena& arena, const Limits& limits, int workers = 1);
 
-  // Finds every part of the loaded models. Objects are searched each for itself; then what a found part explains is
-  // taken away and what is left is searched again, fragments that found nothing together with their neighbours.
+  // Finds every part of the loaded models, in rounds: what a found part explains is taken away, and what is left is
+  // searched again, in ObjectBook's order.
   // Allocates nothing; the same bits for any number of workers.
   LocateOutput locate(const LocateInput& input, std::span<const PartModel> models, const GripperShape& gripper = {});
 
@@ -56,6 +56,7 @@ class Locator {
 
   void search(const result::Scene& scene, std::span<const PartModel> models, std::span<const Object> objects,
               std::uint64_t seed);
+  void add_time(std::uint16_t segment, double ms);
   void settle(const result::Scene& scene, std::span<const PartModel> models, std::span<const Object> objects);
   void claim_ambiguous(const result::Scene& scene, std::span<const PartModel> models, std::span<const Object> objects);
   [[nodiscard]] bool taken(const result::Scene& scene, std::span<const PartModel> models,
@@ -81,6 +82,7 @@ class Locator {
   std::span<std::size_t> order_;
   std::span<WithheldObject> withheld_;
   std::size_t withheld_count_ = 0;
+  std::span<double> attempt_ms_;  // by task of the round
   std::span<double> object_ms_;
   std::span<std::uint16_t> tried_;
   std::size_t tried_count_ = 0;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "contract/result_codes.hpp"
 
@@ -10,6 +11,9 @@ namespace {
 
 constexpr std::size_t kLabels = 65536;
 constexpr double kExplainedShare = 0.75;  // of a segment: the rest is its rim, or a neighbour's
+// Of the smallest view of the smallest part: what shows less is not searched by itself, what shows more is no fragment.
+constexpr double kLeastViewShare = 0.08;
+constexpr double kWholeViewShare = 0.5;
 
 bool near(const Segment& a, const Segment& b, int reach_px) {
   return a.row_min <= b.row_max + reach_px && b.row_min <= a.row_max + reach_px && a.col_min <= b.col_max + reach_px &&
@@ -24,7 +28,7 @@ ObjectBook::ObjectBook(Arena& arena, const Limits& limits)
       entry_of_label_(arena.take<std::uint16_t>("objects: book", kLabels)),
       objects_(arena.take<Object>("objects: book", static_cast<std::size_t>(limits.segments))) {}
 
-void ObjectBook::begin(const result::Scene& scene, std::span<const Segment> segments, double least_area_mm2) {
+void ObjectBook::begin(const result::Scene& scene, std::span<const Segment> segments, double smallest_view_mm2) {
   owner_ = {owner_.data, scene.labels.rows, scene.labels.cols};
   for (int row = 0; row < owner_.rows; ++row) std::copy_n(scene.labels.row(row), owner_.cols, owner_.row(row));
   std::fill(entry_of_label_.begin(), entry_of_label_.end(), std::uint16_t{0});
@@ -35,11 +39,15 @@ void ObjectBook::begin(const result::Scene& scene, std::span<const Segment> segm
     entries_[i].pixels_at_start = segments[i].pixels;
     entry_of_label_[segments[i].label] = static_cast<std::uint16_t>(i + 1);
   }
-  least_area_mm2_ = least_area_mm2;
-  round_ = 0;
+  smallest_view_mm2_ = smallest_view_mm2;
 }
 
 ObjectBook::Entry* ObjectBook::entry(std::uint16_t label) {
+  const std::uint16_t at = entry_of_label_[label];
+  return at == 0 ? nullptr : &entries_[at - 1U];
+}
+
+const ObjectBook::Entry* ObjectBook::entry(std::uint16_t label) const {
   const std::uint16_t at = entry_of_label_[label];
   return at == 0 ? nullptr : &entries_[at - 1U];
 }
@@ -68,51 +76,85 @@ void ObjectBook::recount(const result::Scene& scene) {
   }
 }
 
+// An object of which a fifth has been taken away since is another one: the search may find what it did not.
+void ObjectBook::renew(Entry& e) const {
+  if (e.pixels_when_new >= 0 && e.segment.pixels >= 4 * e.pixels_when_new / 5) return;
+  const bool at_start = e.pixels_when_new < 0;
+  const double least_mm2 = kLeastViewShare * smallest_view_mm2_;
+  e.pixels_when_new = e.segment.pixels;
+  e.given_up = e.segment.pixels == 0 || e.area_mm2 < least_mm2;
+  if (!e.given_up) {
+    e.next = Effort::kPrimitives;
+    e.claimed = e.nearest.ambiguous();
+    if (!e.claimed) e.nearest = {};
+  } else if (at_start) {
+    e.nearest.stage = Stage::kSegment;
+    e.nearest.reason = failure(ResultCode::kObjectTooSmall,
+                               "%.0f mm2 in view, expected at least %.0f; dirt, or a part "
+                               "mostly hidden",
+                               e.area_mm2, least_mm2)
+                           .error();
+  }
+}
+
+// The lower, the earlier it is searched.
+int ObjectBook::turn(const Entry& e) const {
+  constexpr int kAfterWhole = static_cast<int>(Effort::kNeighbourhoods);
+  const int effort = static_cast<int>(e.next);
+  if (e.next == Effort::kNeighbourhoods) return effort + kAfterWhole;
+  return e.area_mm2 >= kWholeViewShare * smallest_view_mm2_ ? effort : effort + kAfterWhole;
+}
+
 std::span<const Object> ObjectBook::next_round(const result::Scene& scene, double reach_mm) {
   recount(scene);
   object_count_ = 0;
-  for (Entry& e : entries_.first(entry_count_)) {
-    // The search would find again what it found, unless a fifth has been taken away since.
-    const bool changed = e.pixels_when_tried < 0 || e.segment.pixels < 4 * e.pixels_when_tried / 5;
-    if (!changed || e.segment.pixels == 0) continue;
-    if (e.area_mm2 < least_area_mm2_) {
-      if (round_ == 0) {
-        e.failed = true;
-        e.reason = failure(ResultCode::kObjectTooSmall,
-                           "%.0f mm2 in view, expected at least %.0f; dirt, or a part "
-                           "mostly hidden",
-                           e.area_mm2, least_area_mm2_)
-                       .error();
-      }
-      e.pixels_when_tried = e.segment.pixels;
-      continue;
-    }
-    e.pixels_when_tried = e.segment.pixels;
-    e.failed = false;
+  const auto entries = entries_.first(entry_count_);
+  int first = std::numeric_limits<int>::max();
+  for (Entry& e : entries) {
+    renew(e);
+    if (!e.given_up) first = std::min(first, turn(e));
+  }
+  for (const Entry& e : entries) {
+    if (e.given_up || turn(e) != first) continue;
+    effort_ = e.next;
     objects_[object_count_] = {};
     objects_[object_count_++].add(e.segment);
   }
-  if (round_ > 0) join_neighbours(reach_mm);
-  ++round_;
+  if (object_count_ == 0) join_neighbours(reach_mm);
   return objects_.first(object_count_);
 }
 
 // A part that shadows cut into pieces: pieces that found nothing, together with those next to them.
 void ObjectBook::join_neighbours(double reach_mm) {
-  for (std::size_t i = 0; i < entry_count_ && object_count_ < objects_.size(); ++i) {
-    if (!entries_[i].failed || entries_[i].joined || entries_[i].segment.pixels == 0) continue;
-    const Segment& seed = entries_[i].segment;
-    const double pitch_mm = std::sqrt(entries_[i].area_mm2 / seed.pixels);
-    const int reach_px = static_cast<int>(reach_mm / pitch_mm);
-    Object object;
-    object.add(seed);
-    for (std::size_t j = 0; j < entry_count_; ++j) {
-      if (j == i || !entries_[j].failed || entries_[j].segment.pixels == 0) continue;
-      if (near(seed, entries_[j].segment, reach_px)) object.add(entries_[j].segment);
-    }
-    entries_[i].joined = true;
-    if (object.label_count > 1) objects_[object_count_++] = object;
+  effort_ = Effort::kAll;
+  for (Entry& e : entries_.first(entry_count_)) {
+    if (e.joined || !e.nearest.failed() || e.segment.pixels == 0) continue;
+    e.joined = true;
+    const Object object = with_neighbours(e, reach_mm);
+    if (object.label_count > 1 && !searched_already(object)) objects_[object_count_++] = object;
   }
+}
+
+Object ObjectBook::with_neighbours(const Entry& seed, double reach_mm) const {
+  const double pitch_mm = std::sqrt(seed.area_mm2 / seed.segment.pixels);
+  const int reach_px = static_cast<int>(reach_mm / pitch_mm);
+  Object object;
+  object.add(seed.segment);
+  for (const Entry& other : entries_.first(entry_count_)) {
+    if (&other == &seed || !other.nearest.failed() || other.segment.pixels == 0) continue;
+    if (near(seed.segment, other.segment, reach_px)) object.add(other.segment);
+  }
+  return object;
+}
+
+// The same pieces, begun with another one.
+bool ObjectBook::searched_already(const Object& object) const {
+  const std::span labels(object.labels, static_cast<std::size_t>(object.label_count));
+  return std::any_of(objects_.begin(), objects_.begin() + static_cast<std::ptrdiff_t>(object_count_),
+                     [&](const Object& other) {
+                       return other.label_count == object.label_count &&
+                              std::all_of(labels.begin(), labels.end(), [&](auto l) { return other.holds(l); });
+                     });
 }
 
 void ObjectBook::explain(const result::Scene& scene, const PartModel& model, const result::PartPose& T_camera_part,
@@ -131,27 +173,36 @@ void ObjectBook::explain(const result::Scene& scene, const PartModel& model, con
   }
 }
 
-void ObjectBook::failed(const Object& object, Stage stage, const Error& reason) {
+void ObjectBook::failed(const Object& object, const Attempt& attempt) {
   for (int i = 0; i < object.label_count; ++i) {
     Entry* e = entry(object.labels[i]);
     if (e == nullptr) continue;
-    const bool known = e->reason.code == ResultCode::kPoseAmbiguous;
-    e->failed = true;
-    if (known) continue;  // what is left of an ambiguous part adds nothing
-    e->stage = stage;
-    e->reason = reason;
+    // What is left of a part with an ambiguous pose adds nothing.
+    const bool known = e->claimed || (e->given_up && e->nearest.ambiguous());
+    if (!known && attempt.failed() && attempt.nearer_than(e->nearest)) e->nearest = attempt;
+    if (effort_ == Effort::kAll) continue;
+    const bool hopeless = attempt.reason.code == ResultCode::kObjectTooSmall ||
+                          attempt.reason.code == ResultCode::kDuplicatePose || effort_ == Effort::kNeighbourhoods;
+    // Neighbourhoods help where a pose was found that is not quite right: between two parts.
+    const bool single = e->nearest.stage != Stage::kVerify || e->nearest.ambiguous();
+    e->given_up = hopeless || (effort_ == Effort::kPlanes && single);
+    if (!e->given_up) e->next = static_cast<Effort>(static_cast<int>(effort_) + 1);
   }
+}
+
+const Attempt* ObjectBook::last_word(const Object& object) const {
+  const Entry* e = entry(object.labels[0]);
+  return e != nullptr && e->given_up && e->nearest.failed() ? &e->nearest : nullptr;
 }
 
 std::size_t ObjectBook::withheld(std::span<WithheldObject> out) const {
   std::size_t count = 0;
   for (const Entry& e : entries_.first(entry_count_)) {
     const bool explained = e.segment.pixels < (1.0 - kExplainedShare) * e.pixels_at_start ||
-                           (e.segment.pixels < e.pixels_at_start && e.area_mm2 < least_area_mm2_);
+                           (e.segment.pixels < e.pixels_at_start && e.area_mm2 < kLeastViewShare * smallest_view_mm2_);
     // What an ambiguous pose explains is explained by nothing that is offered.
-    const bool ambiguous = e.reason.code == ResultCode::kPoseAmbiguous;
-    if ((ambiguous || (!explained && e.failed)) && count < out.size())
-      out[count++] = {e.segment.label, e.stage, e.reason};
+    if ((e.nearest.ambiguous() || (!explained && e.nearest.failed())) && count < out.size())
+      out[count++] = {e.segment.label, e.nearest.stage, e.nearest.reason};
   }
   return count;
 }

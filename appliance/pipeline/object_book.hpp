@@ -7,6 +7,7 @@
 #include "base/arena.hpp"
 #include "contract/limits.hpp"
 #include "contract/locate_result.hpp"
+#include "pipeline/attempt.hpp"
 #include "pipeline/object_points.hpp"
 #include "result/scene.hpp"
 
@@ -16,20 +17,23 @@ class ObjectBook {
  public:
   ObjectBook(Arena& arena, const Limits& limits);
 
-  // A new image: every labelled pixel is unexplained. Objects with a smaller surface than `least_area_mm2` are not
-  // searched by themselves.
-  void begin(const result::Scene& scene, std::span<const Segment> segments, double least_area_mm2);
+  // A new image: every labelled pixel is unexplained. `smallest_view_mm2`: the least surface that a whole part shows.
+  void begin(const result::Scene& scene, std::span<const Segment> segments, double smallest_view_mm2);
 
-  // The objects to search next: in the first round each segment by itself; later what a found part left of a segment,
-  // and failed segments together with failed neighbours at most `reach_mm` away. Empty when there is nothing new.
+  // What to search next, all with the effort that `effort()` then tells. What is found cheaply takes its surface away
+  // from the rest: first whole objects, then fragments, both with growing effort; then failed ones together with failed
+  // neighbours at most `reach_mm` away. What a found part left of an object is new again. Empty when nothing is new.
   std::span<const Object> next_round(const result::Scene& scene, double reach_mm);
+  [[nodiscard]] Effort effort() const { return effort_; }
 
   // Takes away the pixels that lie on the part within the tolerance.
   void explain(const result::Scene& scene, const PartModel& model, const result::PartPose& T_camera_part,
                const result::Region& region);
 
-  // Keeps why the search of an object ended without a pose, for each of its segments.
-  void failed(const Object& object, Stage stage, const Error& reason);
+  // Keeps the attempt that came nearest to a pose, for each segment of an object that was searched in vain.
+  void failed(const Object& object, const Attempt& attempt);
+  // That attempt, if no more will be tried with the object as it is; or null.
+  [[nodiscard]] const Attempt* last_word(const Object& object) const;
 
   // Writes what remains unexplained, with its reason; returns how many.
   std::size_t withheld(std::span<WithheldObject> out) const;
@@ -40,17 +44,23 @@ class ObjectBook {
   struct Entry {
     Segment segment;  // what is left of it
     int pixels_at_start = 0;
-    int pixels_when_tried = -1;
+    int pixels_when_new = -1;
     double area_mm2 = 0.0;
-    bool failed = false;
-    bool joined = false;  // was searched with its neighbours
-    Stage stage = Stage::kSegment;
-    Error reason;
+    Effort next = Effort::kPrimitives;
+    bool given_up = false;
+    bool claimed = false;  // an ambiguous pose explains what has been taken away
+    bool joined = false;   // was searched with its neighbours
+    Attempt nearest;
   };
 
   void recount(const result::Scene& scene);
+  void renew(Entry& entry) const;
+  [[nodiscard]] int turn(const Entry& entry) const;
   void join_neighbours(double reach_mm);
+  [[nodiscard]] Object with_neighbours(const Entry& seed, double reach_mm) const;
+  [[nodiscard]] bool searched_already(const Object& object) const;
   Entry* entry(std::uint16_t label);
+  [[nodiscard]] const Entry* entry(std::uint16_t label) const;
 
   ImageView<std::uint16_t> owner_;
   std::span<Entry> entries_;
@@ -58,8 +68,8 @@ class ObjectBook {
   std::span<std::uint16_t> entry_of_label_;
   std::span<Object> objects_;
   std::size_t object_count_ = 0;
-  double least_area_mm2_ = 0.0;
-  int round_ = 0;
+  double smallest_view_mm2_ = 0.0;
+  Effort effort_ = Effort::kPrimitives;
 };
 
 }  // namespace beltpick::pipeline

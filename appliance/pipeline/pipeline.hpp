@@ -6,10 +6,11 @@
 //              range     rays of camera and projector meet in ordered points, with their predicted noise
 //   segment    segment   the belt is taken away; what holds together is an object (the paper's equations 1, 2)
 //   light      where it stood; that of a foreign cloud is found by its shadows (LightFinder)
-//   locate     for each object, and again for what is left when a found part is taken away (ObjectBook):
+//   locate     in rounds: a found part takes its surface away, and what is left is searched again
+//     ObjectBook  what comes next: whole objects before fragments, little effort before much
 //     PoseFinder  primitives  cylinders and spheres that the templates have, by MSAC (equations 3 to 5)
-//                 search      Q (equation 6) over all poses that a primitive leaves free, then over all views of the
-//                             part, then over all that one of its faces leaves free
+//                 search      Q (equation 6) over all poses that a primitive leaves free; in later rounds over all
+//                             views of the part, and over all that one of its faces leaves free
 //                 icp         the best dozens coarsely, the best few with the whole sample, point to plane
 //                 result      drawn into the range image: is all there that should be seen, and nothing behind it?
 //                             what the light did not reach (ShadowMap) tells nothing. A last alignment to everything

@@ -23,12 +23,12 @@ constexpr std::size_t kPoolSize = 400;
 constexpr std::size_t kMaxShortlist = 80;
 
 // How many hypotheses are aligned coarsely, and how many of those with the whole sample and drawn.
-struct Effort {
+struct Breadth {
   std::size_t shortlist;
   std::size_t full;
 };
-constexpr Effort kByPrimitives{40, 6};
-constexpr Effort kByViews{kMaxShortlist, 10};  // nothing tells them which way the part lies
+constexpr Breadth kByPrimitives{40, 6};
+constexpr Breadth kByViews{kMaxShortlist, 10};  // nothing tells them which way the part lies
 constexpr std::size_t kLeastSample = 60;
 
 // Distances of search and alignment grow with the part.
@@ -99,7 +99,7 @@ PoseFinder::PoseFinder(Arena& arena, const Limits& limits)
       drawing_(arena, limits) {}
 
 Attempt PoseFinder::find(const result::Scene& scene, ImageView<const std::uint16_t> owner, const Object& object,
-                         std::span<const PartModel> models, std::uint64_t seed) {
+                         std::span<const PartModel> models, std::uint64_t seed, Effort effort) {
   const Context context{scene, owner, object, models, seed};
   sample_count_ = sample_object(scene.range, owner, object, kAlignSample, seed, sample_);
   if (sample_count_ < kLeastSample) {
@@ -112,22 +112,32 @@ Attempt PoseFinder::find(const result::Scene& scene, ImageView<const std::uint16
                          .error();
     return attempt;
   }
+  if (effort == Effort::kNeighbourhoods) return try_neighbourhoods(context);
+  if (effort != Effort::kAll) return try_route(context, effort);
   const Attempt whole = try_routes(context);
-  if (whole.verified || whole.stage != Stage::kVerify || whole.reason.code == ResultCode::kPoseAmbiguous) return whole;
-  // Parts that were not parted pull a pose between them: what lies close together belongs to one, and the one on top is
-  // in sight.
+  if (whole.verified || whole.stage != Stage::kVerify || whole.ambiguous()) return whole;
+  const Attempt part = try_neighbourhoods(context);
+  return part.verified ? part : whole;
+}
+
+// Parts that were not parted pull a pose between them: what lies close together belongs to one, and the one on top is
+// in sight.
+Attempt PoseFinder::try_neighbourhoods(const Context& context) {
   const std::size_t all = sample_count_;
+  const auto radius_mm = static_cast<float>(kNeighbourhoodShare * largest_diagonal_mm(context.models));
+  Attempt nearest;
   Vec3f start = highest(context);
   for (int neighbourhood = 0; neighbourhood < kNeighbourhoods; ++neighbourhood) {
-    const Vec3f next = gather_round(start, all, static_cast<float>(kNeighbourhoodShare * largest_diagonal_mm(models)));
-    if (sample_count_ == all) return whole;  // the object is no larger than that
+    const Vec3f next = gather_round(start, all, radius_mm);
+    if (sample_count_ == all) break;  // the object is no larger than that
     if (sample_count_ >= kLeastSample) {
       const Attempt part = try_routes(context);
       if (part.verified) return part;
+      if (part.nearer_than(nearest)) nearest = part;
     }
     start = next;
   }
-  return whole;
+  return nearest;
 }
 
 // The point of the sample that lies highest above the belt, or nearest to the camera.
@@ -158,25 +168,26 @@ Vec3f PoseFinder::gather_round(const Vec3f& centre_mm, std::size_t all, float ra
 // The first route that ends with a verified pose, or the one that came nearest to it.
 Attempt PoseFinder::try_routes(const Context& context) {
   Attempt nearest;
-  nearest.stage = Stage::kSegment;
-  for (const Route route : {Route::kPrimitives, Route::kViews, Route::kPlanes}) {
-    candidate_count_ = 0;
-    for (int i = 0; i < static_cast<int>(context.models.size()); ++i) collect(context, i, route);
-    const Attempt attempt = decide(context);
+  for (const Effort route : {Effort::kPrimitives, Effort::kViews, Effort::kPlanes}) {
+    const Attempt attempt = try_route(context, route);
     if (attempt.verified) return attempt;
-    const bool farther =
-        attempt.stage == nearest.stage ? attempt.best.strength > nearest.best.strength : attempt.stage > nearest.stage;
-    if (farther) nearest = attempt;
+    if (attempt.nearer_than(nearest)) nearest = attempt;
   }
   return nearest;
 }
 
-void PoseFinder::collect(const Context& context, int model_index, Route route) {
+Attempt PoseFinder::try_route(const Context& context, Effort route) {
+  candidate_count_ = 0;
+  for (int i = 0; i < static_cast<int>(context.models.size()); ++i) collect(context, i, route);
+  return decide(context);
+}
+
+void PoseFinder::collect(const Context& context, int model_index, Effort route) {
   const PartModel& model = context.models[static_cast<std::size_t>(model_index)];
   search::HypothesisPool pool(pool_storage_);
-  if (route == Route::kPrimitives) {
+  if (route == Effort::kPrimitives) {
     search_by_primitives(context, model, pool);
-  } else if (route == Route::kPlanes) {
+  } else if (route == Effort::kPlanes) {
     search_by_planes(context, model, pool);
   } else {
     const auto sample = this->sample().first(std::min(sample_count_, kSearchSample));
@@ -222,12 +233,12 @@ int PoseFinder::find_primitives(const Context& context, const PartModel& model, 
   return static_cast<int>(count);
 }
 
-void PoseFinder::shortlist(const Context& context, int model_index, Route route, search::HypothesisPool& pool) {
+void PoseFinder::shortlist(const Context& context, int model_index, Effort route, search::HypothesisPool& pool) {
   const PartModel& model = context.models[static_cast<std::size_t>(model_index)];
-  const Effort& effort = route == Route::kViews ? kByViews : kByPrimitives;
+  const Breadth& breadth = route == Effort::kViews ? kByViews : kByPrimitives;
   std::array<Hypothesis, kMaxShortlist> hypotheses;
   const std::size_t count = pool.take_distinct(model, 0.04 * model.diagonal_mm, rad_from_deg(12.0),
-                                               std::span(hypotheses).first(effort.shortlist));
+                                               std::span(hypotheses).first(breadth.shortlist));
   const std::array<icp::Stage, 2> stages{icp::Stage{coarse_radius_mm(model), 8, 0.3F, 0.3F},
                                          icp::Stage{fine_radius_mm(model), 6, 0.5F, 0.3F}};
   const auto sample = this->sample().first(std::min(sample_count_, kCoarseSample));
@@ -247,7 +258,7 @@ void PoseFinder::shortlist(const Context& context, int model_index, Route route,
       tried[distinct++] = candidate;
     }
   }
-  const auto most = std::min(distinct, effort.full);
+  const auto most = std::min(distinct, breadth.full);
   std::partial_sort(tried.begin(), tried.begin() + static_cast<std::ptrdiff_t>(most),
                     tried.begin() + static_cast<std::ptrdiff_t>(distinct),
                     [](const Candidate& a, const Candidate& b) { return a.impression > b.impression; });

@@ -1,0 +1,50 @@
+// One search of one object: how much it tries, and what came of it.
+#pragma once
+
+#include <cstdint>
+
+#include "base/result.hpp"
+#include "base/stages.hpp"
+#include "contract/locate_result.hpp"
+#include "contract/result_codes.hpp"
+#include "result/evidence.hpp"
+
+namespace beltpick::pipeline {
+
+// What a search tries, in the order in which it is worth while: each finds parts that those before it do not, at a
+// higher price.
+enum class Effort : std::uint8_t {
+  kPrimitives,      // what the object's cylinders and spheres suggest
+  kViews,           // every view of the part
+  kPlanes,          // what one face suggests
+  kNeighbourhoods,  // all three, on what lies close together: an object may be several parts
+  kAll,             // all four in turn
+};
+
+// A pose on trial.
+struct Candidate {
+  int model_index = 0;
+  Hypothesis hypothesis;     // it came from
+  double impression = -2.0;  // before all is drawn
+  Alignment alignment;
+  result::Evidence evidence;
+  double strength = 0.0;  // what ranks it
+};
+
+// What became of a search.
+struct Attempt {
+  bool verified = false;
+  Candidate best;                // meaningful where verified, or where a pose was withheld at verification
+  Stage stage = Stage::kVerify;  // where it ended, and why, if not verified
+  Error reason;
+
+  [[nodiscard]] bool failed() const { return reason.code != ResultCode::kOk; }
+  [[nodiscard]] bool ambiguous() const { return reason.code == ResultCode::kPoseAmbiguous; }
+  // Of attempts without a verified pose the one that came nearest to it tells most about the object.
+  [[nodiscard]] bool nearer_than(const Attempt& other) const {
+    if (!other.failed()) return true;
+    return stage != other.stage ? stage > other.stage : best.strength > other.best.strength;
+  }
+};
+
+}  // namespace beltpick::pipeline
