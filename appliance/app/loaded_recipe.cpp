@@ -21,6 +21,7 @@ capture::CaptureTiming timing_of(const Recipe& recipe, const Settings& settings)
   timing.settle_us = static_cast<std::uint32_t>(recipe.settle_us);
   timing.period_us = static_cast<std::uint32_t>(recipe.period_us);
   timing.readout_us = static_cast<std::uint32_t>(settings.readout_us);
+  timing.overlap_gap_us = static_cast<std::uint16_t>(settings.overlap_gap_us);
   timing.strobe_tolerance_us = static_cast<std::uint32_t>(settings.strobe_tolerance_us);
   return timing;
 }

@@ -19,7 +19,9 @@ template <class Visitor>
 void visit_settings(Settings& s, Visitor& visit) {
   visit.table("camera", "The GigE Vision camera");
   visit.text("camera.id", s.camera_id, "IPv4 address (best) or serial number; empty: the first one found");
-  visit.number("camera.readout_us", s.readout_us, 0, 1e6, "from the end of an exposure to the next trigger");
+  visit.number("camera.readout_us", s.readout_us, 0, 1e6, "it needs after the end of an exposure to read it out");
+  visit.number("camera.overlap_gap_us", s.overlap_gap_us, 0, 65535,
+               "0: it is triggered when it has read out; else it exposes meanwhile, with this pause between exposures");
   visit.integer("camera.buffers", s.camera_buffers, 2, 64, "frames that may wait between network and decoding");
   visit.flag("camera.packet_socket", s.packet_socket, "use a raw socket: faster, needs CAP_NET_RAW");
   visit.table("trigger", "The trigger microcontroller, which also reads the belt-stopped and emergency-stop lines");

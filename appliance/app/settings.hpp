@@ -18,6 +18,7 @@ struct Settings {
 
   std::string camera_id;
   double readout_us = 12000;
+  double overlap_gap_us = 0;
   int camera_buffers = 12;
   bool packet_socket = false;
 

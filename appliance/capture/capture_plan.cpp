@@ -36,19 +36,22 @@ FrameExpectation expect(const Sequence& sequence, std::size_t index, double expo
   return expected;
 }
 
+// The configured period, or the shortest where none is configured.
+Result<void> take_period(protocol::Group& group, std::uint32_t shortest_us, const CaptureTiming& timing) {
+  group.period_us = timing.period_us == 0 ? shortest_us : timing.period_us;
+  if (group.period_us >= shortest_us && group.period_us <= protocol::kMaxPeriod_us) return {};
+  return failure(ResultCode::kValueOutOfRange,
+                 "capture timing: expected a period of %u to %u us for an exposure of %u us, found %u us; change the "
+                 "period or shorten the exposure",
+                 shortest_us, protocol::kMaxPeriod_us, group.exposure_us, group.period_us);
+}
+
 Result<void> append(CapturePlan& plan, const CaptureTiming& timing, std::uint32_t exposure_us) {
   protocol::Arm& arm = plan.timing;
+  protocol::Group group{1, timing.settle_us, exposure_us, 0, timing.readout_us, timing.overlap_gap_us};
   const std::uint32_t shortest_us =
-      std::max(timing.settle_us + exposure_us + timing.strobe_tolerance_us, exposure_us + timing.readout_us);
-  const std::uint32_t period_us = timing.period_us == 0 ? shortest_us : timing.period_us;
-  if (period_us < shortest_us) {
-    return failure(ResultCode::kValueOutOfRange,
-                   "capture timing: expected a period of at least %u us for an exposure of %u us, found %u us; raise "
-                   "the period or "
-                   "shorten the exposure",
-                   shortest_us, exposure_us, period_us);
-  }
-  plan.duration_us += period_us;
+      std::max(timing.settle_us + exposure_us + timing.strobe_tolerance_us, group.least_pulse_interval_us());
+  if (const auto long_enough = take_period(group, shortest_us, timing); !long_enough) return long_enough;
   if (arm.group_count > 0 && arm.groups[arm.group_count - 1].exposure_us == exposure_us) {
     ++arm.groups[arm.group_count - 1].frames;
     return {};
@@ -58,8 +61,28 @@ Result<void> append(CapturePlan& plan, const CaptureTiming& timing, std::uint32_
                    "sequence: expected at most %d changes of exposure, found more; sort its frames by exposure",
                    protocol::kMaxGroups - 1);
   }
-  arm.groups[arm.group_count++] = {1, timing.settle_us, exposure_us, period_us, timing.readout_us};
+  arm.groups[arm.group_count++] = group;
   return {};
+}
+
+// A shorter exposure that begins during the readout of a longer one must not end before it.
+Result<void> keep_readouts_apart(protocol::Arm& arm, const CaptureTiming& timing) {
+  if (timing.overlap_gap_us == 0) return {};
+  for (std::uint8_t i = 1; i < arm.group_count; ++i) {
+    protocol::Group& group = arm.groups[i - 1];
+    const std::uint32_t both_us = group.exposure_us + group.readout_us;
+    const std::uint32_t next_us = arm.groups[i].exposure_us;
+    if (both_us < next_us + group.period_us) continue;
+    if (const auto kept = take_period(group, both_us - next_us, timing); !kept) return kept;
+  }
+  return {};
+}
+
+std::int64_t duration_us(const protocol::Arm& arm) {
+  std::int64_t sum_us = 0;
+  for (std::uint8_t i = 0; i < arm.group_count; ++i)
+    sum_us += std::int64_t{arm.groups[i].frames} * arm.groups[i].period_us;
+  return sum_us;
 }
 
 }  // namespace
@@ -77,14 +100,16 @@ Result<CapturePlan> make_plan(const Sequence& sequence, const CaptureTiming& tim
   for (std::size_t i = 0; i < sequence.frames.size(); ++i) {
     const double told_us = sequence.frames[i].exposure_us;
     const double exposure_us = told_us > 0 ? told_us : timing.exposure_us;
-    if (!(exposure_us >= 1 && exposure_us <= protocol::kMaxPeriod_us)) {
+    if (!(exposure_us >= 1 && exposure_us <= protocol::kMaxExposure_us)) {
       return failure(ResultCode::kValueOutOfRange, "sequence frame %zu: expected an exposure of 1 to %u us, found %g",
-                     i, protocol::kMaxPeriod_us, exposure_us);
+                     i, protocol::kMaxExposure_us, exposure_us);
     }
     const Result<void> added = append(plan, timing, static_cast<std::uint32_t>(std::lround(exposure_us)));
     if (!added) return std::unexpected(added.error());
     plan.frames.push_back(expect(sequence, i, exposure_us));
   }
+  if (const auto apart = keep_readouts_apart(plan.timing, timing); !apart) return std::unexpected(apart.error());
+  plan.duration_us = duration_us(plan.timing);
   return plan;
 }
 

@@ -13,8 +13,10 @@ namespace beltpick::capture {
 struct CaptureTiming {
   double exposure_us = 8000;         // of frames whose spec gives none
   std::uint32_t settle_us = 1000;    // projector advance to exposure
-  std::uint32_t readout_us = 12000;  // camera: end of an exposure to the next trigger
-  std::uint32_t period_us = 0;       // 0: the shortest that the others allow
+  std::uint32_t readout_us = 12000;  // camera: what it needs after the end of an exposure to read it out
+  // 0: the camera is triggered when it has read out. Else it exposes meanwhile, with this pause between two exposures.
+  std::uint16_t overlap_gap_us = 0;
+  std::uint32_t period_us = 0;  // 0: the shortest that the others allow
   std::uint32_t strobe_tolerance_us = 500;
   std::uint16_t host_silence_ms = 500;
 };

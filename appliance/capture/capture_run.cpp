@@ -94,7 +94,7 @@ Result<void> CaptureRun::start(CameraLease& lease, const CapturePlan& plan, Prog
   check_.begin();
   discard_frames(lease);
   Result<void> done = trigger_.refresh_status();
-  if (done && trigger_.status().state == State::kFault) done = trigger_.clear();
+  if (done && trigger_.status().state == State::kFault) done = clear_fault(trigger_.status().fault);
   if (!done) return done;
   progress.generation = lease.generation();
   progress.triggers_before = trigger_.status().trigger_number;
@@ -110,6 +110,13 @@ Result<void> CaptureRun::start(CameraLease& lease, const CapturePlan& plan, Prog
   progress.arm_id = *armed;
   progress.moved_us = monotonic_us();
   return trigger_.start_sequence(*armed);
+}
+
+// What a capture before left latched was told then. That the firmware was reset meanwhile is told now, once.
+Result<void> CaptureRun::clear_fault(Fault fault) {
+  const Result<void> cleared = trigger_.clear();
+  if (!cleared || !protocol::from_start(fault)) return cleared;
+  return fault_of(fault, protocol::kNoFrame);
 }
 
 Result<void> CaptureRun::collect(CameraLease& lease, FrameSink& sink, const std::atomic<ResultCode>& cancel,
@@ -175,7 +182,8 @@ Result<void> CaptureRun::take_events(Progress& progress) {
   }
   // An event that the wire lost still stands in the status.
   const protocol::StatusReport status = trigger_.status();
-  if (status.arm_id != progress.arm_id) return {};
+  const bool of_this = status.arm_id == progress.arm_id || protocol::from_start(status.fault);
+  if (!of_this) return {};
   if (status.state == State::kFault) return fault_of(status.fault, status.fault_frame);
   if (status.state == State::kDone) progress.done = true;
   return {};

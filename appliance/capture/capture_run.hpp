@@ -39,8 +39,8 @@ class CaptureRun {
   // Runs one capture; blocks for its duration. `cancel` is looked at every few milliseconds: any code but kOk aborts
   // the capture with that code (robot in view, belt moved by the register, emergency stop, timeout, clean stop). A
   // firmware fault that is latched from before is cleared first: the cell's own fault latch is what a person
-  // acknowledges. After a failure the outputs of the trigger are safe and late frames are swallowed, so that the next
-  // run starts clean.
+  // acknowledges. One that nobody was told of yet, of a reset of the firmware, fails this capture. After a failure the
+  // outputs of the trigger are safe and late frames are swallowed, so that the next run starts clean.
   //
   // Errors: kCameraLost, kCameraNotFound, kTriggerLost, kFrameMissing, kFrameIncomplete, kFrameWrongSize, kFrameBlack,
   // kFrameDuplicated, kBeltMovedDuringCapture, kEmergencyStop, kCaptureTimeout, 200 + n, and whatever `cancel` said.
@@ -52,6 +52,7 @@ class CaptureRun {
   Result<CaptureReport> run_with(CameraLease& lease, const CapturePlan& plan, FrameSink& sink,
                                  const std::atomic<ResultCode>& cancel);
   Result<void> start(CameraLease& lease, const CapturePlan& plan, Progress& progress);
+  Result<void> clear_fault(protocol::Fault fault);
   Result<void> collect(CameraLease& lease, FrameSink& sink, const std::atomic<ResultCode>& cancel, Progress& progress);
   Result<void> take_frame(const Frame& frame, FrameSink& sink, Progress& progress);
   std::int64_t index_of(const Frame& frame, const Progress& progress);

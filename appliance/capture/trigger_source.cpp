@@ -26,9 +26,12 @@ ResultCode code_of(Refusal refusal) {
     case Refusal::kSettleTooShort:
     case Refusal::kPeriodTooShort:
     case Refusal::kPeriodTooLong:
+    case Refusal::kIntervalTooShort:
       return ResultCode::kValueOutOfRange;
     case Refusal::kStrobeActive:
       return code_of(Fault::kStrobeTooLong);
+    case Refusal::kFlashDamaged:
+      return code_of(Fault::kFlashDamaged);
     default:
       return ResultCode::kInternal;
   }

@@ -13,6 +13,17 @@ using protocol::Type;
 namespace {
 constexpr std::int64_t kToleranceCycles = 4;
 
+// How far a measured time is off the cycles that it measures, in whole ticks.
+std::int64_t ticks_off(std::uint32_t ticks, std::uint64_t from_cycle, std::uint64_t to_cycle) {
+  constexpr std::int64_t kCyclesPerTick = 8;
+  const auto cycles = static_cast<std::int64_t>(to_cycle - from_cycle);
+  return std::abs(static_cast<std::int64_t>(ticks) * kCyclesPerTick - cycles) / kCyclesPerTick;
+}
+
+std::uint64_t first_advance(const std::vector<PinEdge>& edges) {
+  return std::find_if(edges.begin(), edges.end(), [](const PinEdge& e) { return e.pin == Out::kProjector; })->cycle;
+}
+
 // STATUS after STATUS, the longest message there is, and now and then a byte of noise.
 void load_line(Rig& rig, beltpick::Random& random, int milliseconds) {
   auto longest = sequence(1, 1);
@@ -36,7 +47,12 @@ TEST_CASE("the firmware identifies itself, its board and its flash", "[emulator]
         (mcu == Mcu::kAtmega2560 ? protocol::BoardKind::kAtmega2560 : protocol::BoardKind::kAtmega328p));
   CHECK(identity.tick_ns == 500);
   CHECK(identity.min_exposure_us == 50);
+  CHECK(identity.max_exposure_us == protocol::kMaxExposure_us);
   CHECK(identity.min_period_us == 500);
+  CHECK(identity.max_period_us == protocol::kMaxPeriod_us);
+  CHECK(identity.min_interval_us == 50);
+  CHECK(identity.reset_cause == protocol::kResetPowerOn);
+  CHECK(identity.flash_state == protocol::FlashState::kUnsealed);
   CHECK(identity.flash_crc == rig.chip.flash_crc());
   CHECK(rig.safe());
 }
@@ -54,17 +70,19 @@ TEST_CASE("every edge of a 22-frame sequence comes at its cycle, and every strob
   const auto frames = rig.events<protocol::FrameEvent>(Type::kFrameEvent);
   REQUIRE(frames.size() == 22);
   REQUIRE(rig.strobe_edges.size() == 44);
+  const std::uint64_t first_cycle = first_advance(rig.edges);
   for (std::uint16_t i = 0; i < 22; ++i) {
     CHECK(frames[i].frame == i);
     CHECK(frames[i].trigger_number == i + 1U);
-    CHECK(frames[i].pulse_us == i * 12500U + 1000U);
-    CHECK(std::abs(static_cast<int>(frames[i].strobe_us - frames[i].pulse_us) - 20) <= 1);
-    const auto strobe_cycles = rig.strobe_edges[2 * i + 1].cycle - rig.strobe_edges[2 * i].cycle;
-    CHECK(std::abs(static_cast<int>(frames[i].strobe_length_us) - static_cast<int>(strobe_cycles / kCyclesPerUs)) <= 1);
+    CHECK(frames[i].pulse_ticks == 2 * (i * 12500U + 1000U));
+    const std::uint64_t rise = rig.strobe_edges[2 * i].cycle;
+    const std::uint64_t fall = rig.strobe_edges[2 * i + 1].cycle;
+    CHECK(ticks_off(frames[i].strobe_ticks, first_cycle, rise) <= 1);
+    CHECK(ticks_off(frames[i].strobe_length_ticks, rise, fall) <= 1);
   }
   const auto done = rig.events<protocol::DoneEvent>(Type::kDoneEvent);
   REQUIRE(done.size() == 1);
-  CHECK(done[0].duration_us == 22 * 12500);
+  CHECK(done[0].duration_ticks == 2 * 22 * 12500);
   CHECK(rig.status().state == State::kDone);
   CHECK(rig.chip.level(Out::kDone));
   CHECK(rig.safe());
@@ -129,7 +147,7 @@ TEST_CASE("what the board cannot play is refused with its reason and moves no pi
   Rig rig(GENERATE(Mcu::kAtmega2560, Mcu::kAtmega328p));
   auto arm = sequence(1, 2);
   arm.groups[0].exposure_us = 49;
-  CHECK(rig.request(Type::kArm, arm) == Refusal::kExposureOutOfRange);
+  CHECK(rig.request(Type::kArm, arm) == Refusal::kIntervalTooShort);
   arm = sequence(1, 2);
   arm.groups[0] = {2, 100, 50, 499, 20};
   CHECK(rig.request(Type::kArm, arm) == Refusal::kPeriodTooShort);
@@ -138,6 +156,10 @@ TEST_CASE("what the board cannot play is refused with its reason and moves no pi
   CHECK(rig.request(Type::kArm, arm) == Refusal::kPeriodTooShort);
   arm.groups[0].period_us = protocol::kMaxPeriod_us + 1;
   CHECK(rig.request(Type::kArm, arm) == Refusal::kPeriodTooLong);
+  arm.groups[0].exposure_us = protocol::kMaxExposure_us + 1;
+  CHECK(rig.request(Type::kArm, arm) == Refusal::kPeriodTooLong);
+  arm.groups[0].period_us = protocol::kMaxPeriod_us;
+  CHECK(rig.request(Type::kArm, arm) == Refusal::kExposureOutOfRange);
   CHECK(rig.request(Type::kStart, protocol::Start{1}) == Refusal::kNotArmed);
   CHECK(rig.edges.empty());
 }

@@ -178,5 +178,6 @@ TEST_CASE("a main loop that hangs is reset by the watchdog, and tells so", "[emu
   CHECK(rig.safe());
   const auto identity = rig.ask(Type::kIdentify, protocol::Empty()).as<protocol::Identity>();
   CHECK((identity.reset_cause & protocol::kResetWatchdog) != 0);
-  CHECK(rig.status().state == State::kIdle);
+  check_fault(rig, Fault::kWatchdogReset, protocol::kNoFrame);
+  check_way_out(rig, 2);
 }

@@ -3,30 +3,52 @@
 namespace beltpick {
 namespace core {
 
+using protocol::Fault;
 using protocol::Header;
 using protocol::Refusal;
 using protocol::Type;
 
-void Device::on_byte(uint8_t byte, uint32_t now_us) {
-  if (decoder_.push(byte) == protocol::FrameDecoder::Outcome::kMessage) serve(now_us);
+namespace {
+
+// At power-up the supply rises through the brown-out's threshold: that is none.
+Fault fault_at_start(const protocol::Identity& identity) {
+  if (identity.flash_state == protocol::FlashState::kDamaged) return Fault::kFlashDamaged;
+  if ((identity.reset_cause & protocol::kResetWatchdog) != 0) return Fault::kWatchdogReset;
+  const bool powered_on = (identity.reset_cause & protocol::kResetPowerOn) != 0;
+  if ((identity.reset_cause & protocol::kResetBrownOut) != 0 && !powered_on) return Fault::kBrownOut;
+  return Fault::kNone;
 }
 
-void Device::serve(uint32_t now_us) {
+}  // namespace
+
+Device::Device(const protocol::Identity& identity, uint8_t inputs, uint32_t now_ticks, const BoardTiming& board)
+    : identity_(identity), sequencer_(inputs, now_ticks, board, fault_at_start(identity)) {
+  identity_.tick_ns = kTick_ns;
+  identity_.min_exposure_us = board.min_exposure_us;
+  identity_.min_period_us = board.min_period_us;
+  identity_.min_interval_us = board.min_interval_us;
+}
+
+void Device::on_byte(uint8_t byte, uint32_t now_ticks) {
+  if (decoder_.push(byte) == protocol::FrameDecoder::Outcome::kMessage) serve(now_ticks);
+}
+
+void Device::serve(uint32_t now_ticks) {
   Header header;
   if (!protocol::decode_header(decoder_.message(), decoder_.size(), header)) return;
   if (header.version != protocol::kVersion) {
     reply(header, Refusal::kWrongVersion);
     return;
   }
-  sequencer_.host_spoke(now_us);
+  sequencer_.host_spoke(now_ticks);
   if (header.type == Type::kArm) {
     serve_arm(header);
   } else if (header.type == Type::kStart) {
-    serve_start(header, now_us);
+    serve_start(header, now_ticks);
   } else if (decoder_.size() != protocol::kHeaderBytes) {
     reply(header, Refusal::kMalformed);
   } else {
-    serve_simple(header, now_us);
+    serve_simple(header, now_ticks);
   }
 }
 
@@ -36,19 +58,19 @@ void Device::serve_arm(const Header& header) {
   reply(header, whole ? sequencer_.arm(arm) : Refusal::kMalformed);
 }
 
-void Device::serve_start(const Header& header, uint32_t now_us) {
+void Device::serve_start(const Header& header, uint32_t now_ticks) {
   protocol::Start start;
   const bool whole = protocol::decode_payload(decoder_.message(), decoder_.size(), start);
-  reply(header, whole ? sequencer_.start(start.arm_id, now_us) : Refusal::kMalformed);
+  reply(header, whole ? sequencer_.start(start.arm_id, now_ticks) : Refusal::kMalformed);
 }
 
-void Device::serve_simple(const Header& header, uint32_t now_us) {
+void Device::serve_simple(const Header& header, uint32_t now_ticks) {
   switch (header.type) {
     case Type::kIdentify:
       send(Type::kIdentity, header.sequence, identity_);
       return;
     case Type::kStatus:
-      send(Type::kStatusReport, header.sequence, sequencer_.status(now_us));
+      send(Type::kStatusReport, header.sequence, sequencer_.status(now_ticks));
       return;
     case Type::kAbort:
       sequencer_.abort();

@@ -9,14 +9,15 @@ namespace core {
 
 class Device {
  public:
-  // `inputs`: protocol::InputBit as the pins read at start.
-  Device(const protocol::Identity& identity, uint8_t inputs, uint32_t now_us, const BoardTiming& board = BoardTiming())
-      : identity_(identity), sequencer_(inputs, now_us, board) {}
+  // `identity`: what the board knows of itself; its limits come from `board`. `inputs`: protocol::InputBit as the pins
+  // read at start. Why the board started, or what its flash holds, may be a fault from the start.
+  Device(const protocol::Identity& identity, uint8_t inputs, uint32_t now_ticks,
+         const BoardTiming& board = BoardTiming());
 
   Sequencer& sequencer() { return sequencer_; }
   const Sequencer& sequencer() const { return sequencer_; }
 
-  void on_byte(uint8_t byte, uint32_t now_us);
+  void on_byte(uint8_t byte, uint32_t now_ticks);
 
   // The next byte for the wire; false when there is none. An event leaves the sequencer only when the line is free.
   bool next_byte(uint8_t& byte);
@@ -27,10 +28,10 @@ class Device {
  private:
   static constexpr uint8_t kQueueBytes = 128;
 
-  void serve(uint32_t now_us);
+  void serve(uint32_t now_ticks);
   void serve_arm(const protocol::Header& header);
-  void serve_start(const protocol::Header& header, uint32_t now_us);
-  void serve_simple(const protocol::Header& header, uint32_t now_us);
+  void serve_start(const protocol::Header& header, uint32_t now_ticks);
+  void serve_simple(const protocol::Header& header, uint32_t now_ticks);
   protocol::Refusal ask_for_loader();
   void reply(const protocol::Header& header, protocol::Refusal refusal);
   bool send_event();

@@ -17,12 +17,12 @@ enum class Edge : uint8_t {
 
 class EdgeWalk {
  public:
-  // The first frame begins at `at_us`.
-  void start(uint32_t at_us);
+  // The first frame begins at `at_ticks`.
+  void start(uint32_t at_ticks);
 
   // The next edge and its time.
   Edge edge() const { return edge_; }
-  uint32_t at_us() const { return at_us_; }
+  uint32_t at_ticks() const { return at_ticks_; }
 
   // Goes on to the edge behind it; stays at kSequenceEnds.
   void pass(const protocol::Arm& plan);
@@ -35,8 +35,8 @@ class EdgeWalk {
   FrameCursor cursor_;
   Edge edge_ = Edge::kSequenceEnds;
   bool first_ = true;
-  uint32_t frame_start_us_ = 0;
-  uint32_t at_us_ = 0;
+  uint32_t frame_start_ticks_ = 0;
+  uint32_t at_ticks_ = 0;
 };
 
 }  // namespace core

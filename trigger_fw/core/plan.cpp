@@ -9,32 +9,36 @@ using protocol::Refusal;
 
 namespace {
 
-// Each time alone is bounded first, so that the sums below cannot wrap.
+// Each time alone is bounded first, so that the sums below cannot wrap. Of the intervals between two edges of a pin the
+// camera's low level is no shorter than the settle time, and the advance pulse is fixed.
 Refusal judge_group(const Group& group, uint32_t tolerance_us, const BoardTiming& board) {
   if (group.frames == 0) return Refusal::kNoFrames;
-  if (group.period_us < board.min_period_us) return Refusal::kPeriodTooShort;
   if (group.period_us > protocol::kMaxPeriod_us) return Refusal::kPeriodTooLong;
-  if (group.exposure_us < board.min_exposure_us || group.exposure_us > protocol::kMaxPeriod_us) {
-    return Refusal::kExposureOutOfRange;
-  }
+  if (group.exposure_us == 0 || group.exposure_us > protocol::kMaxExposure_us) return Refusal::kExposureOutOfRange;
+  if (group.exposure_us < board.min_interval_us) return Refusal::kIntervalTooShort;
+  if (group.exposure_us < board.min_exposure_us) return Refusal::kExposureOutOfRange;
   if (group.settle_us < protocol::kAdvancePulse_us) return Refusal::kSettleTooShort;
+  if (group.settle_us < board.min_interval_us) return Refusal::kIntervalTooShort;
   const bool each_fits =
       group.settle_us <= group.period_us && group.readout_us <= group.period_us && tolerance_us <= group.period_us;
-  if (!each_fits || group.exposure_us + group.readout_us > group.period_us ||
+  if (!each_fits || group.period_us < board.min_period_us || group.period_us < group.least_pulse_interval_us() ||
       group.settle_us + group.exposure_us + tolerance_us > group.period_us) {
     return Refusal::kPeriodTooShort;
   }
   return Refusal::kNone;
 }
 
-// Where a shorter settle time follows, the next camera pulse comes closer than the period.
+// Where a shorter settle time follows, the next camera pulse comes closer than the period; and where a shorter exposure
+// follows, its end comes closer to the readout that it overlaps.
 bool ready_for_next(const Group& group, const Group& next) {
-  return group.period_us - group.settle_us + next.settle_us >= group.exposure_us + group.readout_us;
+  const uint32_t interval_us = group.period_us - group.settle_us + next.settle_us;
+  if (interval_us < group.least_pulse_interval_us()) return false;
+  return interval_us + next.exposure_us >= group.exposure_us + group.readout_us;
 }
 
 bool same_group(const Group& a, const Group& b) {
   return a.frames == b.frames && a.settle_us == b.settle_us && a.exposure_us == b.exposure_us &&
-         a.period_us == b.period_us && a.readout_us == b.readout_us;
+         a.period_us == b.period_us && a.readout_us == b.readout_us && a.overlap_gap_us == b.overlap_gap_us;
 }
 
 }  // namespace

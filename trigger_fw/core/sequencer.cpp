@@ -8,11 +8,12 @@ using protocol::Refusal;
 using protocol::State;
 
 namespace {
-bool before(uint32_t a_us, uint32_t b_us) { return static_cast<int32_t>(a_us - b_us) < 0; }
+bool before(uint32_t a_ticks, uint32_t b_ticks) { return static_cast<int32_t>(a_ticks - b_ticks) < 0; }
 }  // namespace
 
-Sequencer::Sequencer(uint8_t inputs, uint32_t now_us, const BoardTiming& board)
-    : board_(board), inputs_(inputs), inputs_us_(now_us) {
+Sequencer::Sequencer(uint8_t inputs, uint32_t now_ticks, const BoardTiming& board, Fault at_start)
+    : board_(board), inputs_(inputs), inputs_ticks_(now_ticks) {
+  if (at_start != Fault::kNone) raise(at_start);
   if ((inputs & protocol::kInputEmergencyStop) != 0) raise(Fault::kEmergencyStop);
 }
 
@@ -31,7 +32,7 @@ Refusal Sequencer::arm(const protocol::Arm& arm) {
   return Refusal::kNone;
 }
 
-Refusal Sequencer::start(uint16_t arm_id, uint32_t now_us) {
+Refusal Sequencer::start(uint16_t arm_id, uint32_t now_ticks) {
   if (state_ == State::kFault) return Refusal::kFaultLatched;
   if (arm_id != plan_.arm_id || state_ == State::kIdle) return Refusal::kNotArmed;
   if (state_ != State::kArmed) return Refusal::kNone;  // it runs already, or has run
@@ -39,11 +40,11 @@ Refusal Sequencer::start(uint16_t arm_id, uint32_t now_us) {
   if (strobe_level_) return Refusal::kStrobeActive;
   state_ = State::kRunning;
   outputs_.busy = true;
-  start_us_ = now_us + board_.start_lead_us;
-  host_spoke(now_us);
+  start_ticks_ = now_ticks + ticks_of(board_.start_lead_us);
+  host_spoke(now_ticks);
   strobe_ = Strobe::kNotDue;
-  walk_.start(start_us_);
-  on_time(now_us);
+  walk_.start(start_ticks_);
+  on_time(now_ticks);
   return Refusal::kNone;
 }
 
@@ -56,6 +57,7 @@ void Sequencer::abort() {
 Refusal Sequencer::clear() {
   if ((inputs_ & protocol::kInputEmergencyStop) != 0) return Refusal::kEmergencyStopPressed;
   if (state_ != State::kFault) return Refusal::kNone;
+  if (fault_ == Fault::kFlashDamaged) return Refusal::kFlashDamaged;
   state_ = State::kIdle;
   fault_ = Fault::kNone;
   fault_frame_ = protocol::kNoFrame;
@@ -63,47 +65,47 @@ Refusal Sequencer::clear() {
   return Refusal::kNone;
 }
 
-void Sequencer::on_time(uint32_t now_us) {
+void Sequencer::on_time(uint32_t now_ticks) {
   while (state_ == State::kRunning) {
-    uint32_t at_us;
-    const Awaited awaited = earliest(at_us);
-    if (before(now_us, at_us)) return;
+    uint32_t at_ticks;
+    const Awaited awaited = earliest(at_ticks);
+    if (before(now_ticks, at_ticks)) return;
     if (awaited == Awaited::kHost) {
       raise(Fault::kHostSilent);
     } else if (awaited == Awaited::kStrobe) {
       raise(strobe_ == Strobe::kAwaited ? Fault::kStrobeMissing : Fault::kStrobeTooLong);
-    } else if (now_us - at_us > board_.late_limit_us) {
+    } else if (now_ticks - at_ticks > ticks_of(board_.late_limit_us)) {
       raise(Fault::kTimerLate);
     } else {
-      serve_edge(at_us);
+      serve_edge(at_ticks);
     }
   }
 }
 
 // At equal times the strobe goes first: its deadline belongs to the frame that an edge may end.
-Sequencer::Awaited Sequencer::earliest(uint32_t& at_us) const {
+Sequencer::Awaited Sequencer::earliest(uint32_t& at_ticks) const {
   Awaited awaited = Awaited::kEdge;
-  at_us = walk_.at_us();
+  at_ticks = walk_.at_ticks();
   const bool strobe_due = strobe_ == Strobe::kAwaited || strobe_ == Strobe::kActive;
-  if (strobe_due && !before(at_us, strobe_deadline_us_)) {
+  if (strobe_due && !before(at_ticks, strobe_deadline_ticks_)) {
     awaited = Awaited::kStrobe;
-    at_us = strobe_deadline_us_;
+    at_ticks = strobe_deadline_ticks_;
   }
-  if (before(host_deadline_us_, at_us)) {
+  if (before(host_deadline_ticks_, at_ticks)) {
     awaited = Awaited::kHost;
-    at_us = host_deadline_us_;
+    at_ticks = host_deadline_ticks_;
   }
   return awaited;
 }
 
-bool Sequencer::next_deadline(uint32_t& at_us) const {
+bool Sequencer::next_deadline(uint32_t& at_ticks) const {
   if (state_ != State::kRunning) return false;
-  earliest(at_us);
+  earliest(at_ticks);
   return true;
 }
 
-// Serves the output edge that is due at `at_us`.
-void Sequencer::serve_edge(uint32_t at_us) {
+// Serves the output edge that is due at `at_ticks`.
+void Sequencer::serve_edge(uint32_t at_ticks) {
   const Edge edge = walk_.edge();
   walk_.pass(plan_);
   switch (edge) {
@@ -118,54 +120,54 @@ void Sequencer::serve_edge(uint32_t at_us) {
     case Edge::kPulseRises:
       outputs_.camera = true;
       ++trigger_number_;
-      pulse_us_ = at_us;
+      pulse_ticks_ = at_ticks;
       strobe_ = Strobe::kAwaited;
-      strobe_deadline_us_ = at_us + plan_.strobe_tolerance_us;
+      strobe_deadline_ticks_ = at_ticks + ticks_of(plan_.strobe_tolerance_us);
       return;
     case Edge::kPulseFalls:
       outputs_.camera = false;
       return;
     case Edge::kSequenceEnds:
       ++frames_done_;
-      finish(at_us);
+      finish(at_ticks);
       return;
   }
 }
 
-void Sequencer::finish(uint32_t at_us) {
+void Sequencer::finish(uint32_t at_ticks) {
   state_ = State::kDone;
   outputs_ = Outputs();
   outputs_.done = true;
-  duration_us_ = at_us - start_us_;
+  duration_ticks_ = at_ticks - start_ticks_;
   done_pending_ = true;
 }
 
-void Sequencer::on_strobe(bool active, uint32_t now_us) {
-  on_time(now_us);
+void Sequencer::on_strobe(bool active, uint32_t now_ticks) {
+  on_time(now_ticks);
   if (active == strobe_level_) return;
   strobe_level_ = active;
   if (state_ != State::kRunning) return;
   if (active) {
-    strobe_rose(now_us);
+    strobe_rose(now_ticks);
   } else if (strobe_ == Strobe::kActive) {
-    strobe_fell(now_us);
+    strobe_fell(now_ticks);
   }
 }
 
-void Sequencer::strobe_rose(uint32_t now_us) {
+void Sequencer::strobe_rose(uint32_t now_ticks) {
   if (strobe_ != Strobe::kAwaited) {
     raise(strobe_ == Strobe::kNotDue ? Fault::kStrobeEarly : Fault::kStrobeDouble);
     return;
   }
   strobe_ = Strobe::kActive;
-  strobe_start_us_ = now_us;
-  strobe_deadline_us_ = pulse_us_ + timing().exposure_us + plan_.strobe_tolerance_us;
+  strobe_start_ticks_ = now_ticks;
+  strobe_deadline_ticks_ = pulse_ticks_ + ticks_of(timing().exposure_us + plan_.strobe_tolerance_us);
 }
 
-void Sequencer::strobe_fell(uint32_t now_us) {
+void Sequencer::strobe_fell(uint32_t now_ticks) {
   strobe_ = Strobe::kEnded;
-  const uint32_t length_us = now_us - strobe_start_us_;
-  if (length_us + plan_.strobe_tolerance_us < timing().exposure_us) {
+  const uint32_t length_ticks = now_ticks - strobe_start_ticks_;
+  if (length_ticks + ticks_of(plan_.strobe_tolerance_us) < ticks_of(timing().exposure_us)) {
     raise(Fault::kStrobeTooShort);
     return;
   }
@@ -177,16 +179,16 @@ void Sequencer::strobe_fell(uint32_t now_us) {
   event.arm_id = plan_.arm_id;
   event.frame = walk_.frame();
   event.trigger_number = trigger_number_;
-  event.pulse_us = pulse_us_ - start_us_;
-  event.strobe_us = strobe_start_us_ - start_us_;
-  event.strobe_length_us = length_us;
+  event.pulse_ticks = pulse_ticks_ - start_ticks_;
+  event.strobe_ticks = strobe_start_ticks_ - start_ticks_;
+  event.strobe_length_ticks = length_ticks;
 }
 
-void Sequencer::on_inputs(uint8_t inputs, uint32_t now_us) {
-  on_time(now_us);
+void Sequencer::on_inputs(uint8_t inputs, uint32_t now_ticks) {
+  on_time(now_ticks);
   if (inputs == inputs_) return;
   inputs_ = inputs;
-  inputs_us_ = now_us;
+  inputs_ticks_ = now_ticks;
   inputs_pending_ = true;
   if ((inputs & protocol::kInputEmergencyStop) != 0) {
     raise(Fault::kEmergencyStop);
@@ -210,7 +212,7 @@ void Sequencer::raise(Fault fault) {
   fault_pending_ = true;
 }
 
-protocol::StatusReport Sequencer::status(uint32_t now_us) const {
+protocol::StatusReport Sequencer::status(uint32_t now_ticks) const {
   protocol::StatusReport report;
   report.state = state_;
   report.fault = fault_;
@@ -219,7 +221,7 @@ protocol::StatusReport Sequencer::status(uint32_t now_us) const {
   report.frames_done = frames_done_;
   report.inputs = inputs_;
   report.trigger_number = trigger_number_;
-  report.now_us = now_us;
+  report.now_ticks = now_ticks;
   return report;
 }
 
@@ -236,7 +238,7 @@ bool Sequencer::take(protocol::DoneEvent& event) {
   done_pending_ = false;
   event.arm_id = plan_.arm_id;
   event.frames = frames_done_;
-  event.duration_us = duration_us_;
+  event.duration_ticks = duration_ticks_;
   return true;
 }
 
@@ -253,7 +255,7 @@ bool Sequencer::take(protocol::InputsEvent& event) {
   if (!inputs_pending_) return false;
   inputs_pending_ = false;
   event.inputs = inputs_;
-  event.now_us = inputs_us_;
+  event.now_ticks = inputs_ticks_;
   return true;
 }
 

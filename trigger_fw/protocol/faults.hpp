@@ -19,8 +19,11 @@ enum class Fault : uint8_t {
   kHostSilent = 8,
   kEventsLost = 9,
   kTimerLate = 10,
+  kBrownOut = 11,
+  kWatchdogReset = 12,
+  kFlashDamaged = 13,
 };
-constexpr uint8_t kFaultCount = 10;
+constexpr uint8_t kFaultCount = 13;
 
 enum class Refusal : uint8_t {
   kNone = 0,  // done, or done already
@@ -41,8 +44,10 @@ enum class Refusal : uint8_t {
   kBeltNotStopped = 15,
   kEmergencyStopPressed = 16,
   kStrobeActive = 17,
+  kIntervalTooShort = 18,
+  kFlashDamaged = 19,
 };
-constexpr uint8_t kRefusalCount = 17;
+constexpr uint8_t kRefusalCount = 19;
 
 // For people; not compiled into the firmware unless it is used there.
 struct FaultEntry {
@@ -71,6 +76,11 @@ constexpr FaultEntry kFaultTable[kFaultCount] = {
     {Fault::kEventsLost, "EVENTS_LOST", "the serial line was too slow for the events of the sequence",
      "check the serial cable and its speed"},
     {Fault::kTimerLate, "TIMER_LATE", "an edge came later than the timer asked", "a fault of the firmware: report it"},
+    {Fault::kBrownOut, "BROWN_OUT", "the supply of the trigger box fell too low, and it started anew",
+     "check its supply and its USB cable"},
+    {Fault::kWatchdogReset, "WATCHDOG_RESET", "the firmware hung and was reset by its watchdog",
+     "a fault of the firmware: report it"},
+    {Fault::kFlashDamaged, "FLASH_DAMAGED", "the program in the flash is damaged", "flash the firmware anew"},
 };
 
 struct RefusalEntry {
@@ -87,17 +97,25 @@ constexpr RefusalEntry kRefusalTable[kRefusalCount] = {
     {Refusal::kNoFrames, "the sequence, or a group of it, has no frames"},
     {Refusal::kTooManyGroups, "more groups than the firmware holds"},
     {Refusal::kTooManyFrames, "more frames than the firmware allows"},
-    {Refusal::kExposureOutOfRange, "exposure is zero or longer than the longest period"},
+    {Refusal::kExposureOutOfRange, "exposure is outside the limits of the firmware"},
     {Refusal::kSettleTooShort, "settle time is shorter than the projector's advance pulse"},
     {Refusal::kPeriodTooShort,
-     "period is shorter than exposure + readout, or than settle + exposure + strobe tolerance"},
+     "period is shorter than exposure + readout (max(exposure + gap, readout) where the camera overlaps them), or than "
+     "settle + exposure + strobe tolerance"},
     {Refusal::kPeriodTooLong, "period is longer than the firmware allows"},
     {Refusal::kArmIdUsed, "this arm id was used already, or for another sequence"},
     {Refusal::kNotArmed, "nothing is armed under this id"},
     {Refusal::kBeltNotStopped, "the belt-stopped input is not active"},
     {Refusal::kEmergencyStopPressed, "the emergency stop is pressed"},
     {Refusal::kStrobeActive, "the camera's strobe is active already"},
+    {Refusal::kIntervalTooShort, "two edges of a pin are closer than the firmware's interrupts can follow"},
+    {Refusal::kFlashDamaged, "the program in the flash is damaged: flash the firmware anew"},
 };
+
+// True for the faults of the firmware's own start: no sequence made them.
+inline bool from_start(Fault fault) {
+  return fault == Fault::kBrownOut || fault == Fault::kWatchdogReset || fault == Fault::kFlashDamaged;
+}
 
 // The entry of a fault or refusal; null for kNone and for numbers of a newer firmware.
 inline const FaultEntry* find_fault(Fault fault) {

@@ -11,7 +11,9 @@
 namespace beltpick {
 namespace protocol {
 
-constexpr uint8_t kVersion = 1;
+// 2: measured times in ticks instead of microseconds, the gap of cameras that overlap exposure and readout, all limits
+// in IDENTITY, faults 11 to 13.
+constexpr uint8_t kVersion = 2;
 
 enum class Type : uint8_t {
   // Requests of the host.
@@ -46,6 +48,7 @@ constexpr uint8_t kMaxGroups = 8;
 constexpr uint16_t kMaxFrames = 512;
 constexpr uint32_t kMaxPeriod_us = 1000000;
 constexpr uint32_t kAdvancePulse_us = 100;  // length of the projector's advance pulse; the least settle time
+constexpr uint32_t kMaxExposure_us = kMaxPeriod_us - kAdvancePulse_us;
 
 struct Header {
   uint8_t version = kVersion;
@@ -61,6 +64,8 @@ struct Header {
 };
 constexpr size_t kHeaderBytes = 3;
 
+// What the host asks for is in microseconds, what the firmware measures in ticks of IDENTITY's tick_ns.
+
 // IDENTIFY, ABORT, CLEAR, STATUS, KEEPALIVE and ENTER_LOADER carry nothing.
 struct Empty {
   template <class Io>
@@ -73,7 +78,17 @@ struct Group {
   uint32_t settle_us = 0;    // projector advance to camera pulse
   uint32_t exposure_us = 0;  // length of the camera pulse
   uint32_t period_us = 0;    // projector advance to projector advance
-  uint32_t readout_us = 0;   // what the camera needs from the end of an exposure to the next trigger
+  uint32_t readout_us = 0;   // what the camera needs after the end of an exposure to read it out
+  // 0: the camera ignores a trigger until it has read out. Else it exposes while it reads out the frame before, and
+  // needs this pause between two exposures.
+  uint16_t overlap_gap_us = 0;
+
+  // From this camera pulse to the next of its kind. No field may be longer than the longest period.
+  uint32_t least_pulse_interval_us() const {
+    if (overlap_gap_us == 0) return exposure_us + readout_us;
+    const uint32_t exposure_and_gap_us = exposure_us + overlap_gap_us;
+    return exposure_and_gap_us > readout_us ? exposure_and_gap_us : readout_us;
+  }
 
   template <class Io>
   void fields(Io& io) {
@@ -82,6 +97,7 @@ struct Group {
     io.u32(exposure_us);
     io.u32(period_us);
     io.u32(readout_us);
+    io.u16(overlap_gap_us);
   }
 };
 
@@ -123,6 +139,9 @@ struct Reply {
   }
 };
 
+// Whether the program is what the record says that was flashed with it; nobody can tell where there is no record.
+enum class FlashState : uint8_t { kDamaged = 0, kWhole = 1, kUnsealed = 2 };
+
 enum class BoardKind : uint8_t { kHost = 0, kAtmega2560 = 1, kAtmega328p = 2 };
 
 struct Identity {
@@ -132,11 +151,15 @@ struct Identity {
   uint8_t firmware_patch = 0;
   uint8_t max_groups = kMaxGroups;
   uint16_t max_frames = kMaxFrames;
-  uint16_t tick_ns = 0;          // resolution of the edges
-  uint16_t min_exposure_us = 1;  // the shortest camera pulse
-  uint16_t min_period_us = 0;    // the shortest period
+  uint16_t tick_ns = 0;          // unit of the measured times
+  uint16_t min_exposure_us = 0;  // the shortest camera pulse
+  uint32_t max_exposure_us = kMaxExposure_us;
+  uint16_t min_period_us = 0;
+  uint32_t max_period_us = kMaxPeriod_us;
+  uint16_t min_interval_us = 0;  // from one edge of a pin to its next: what the interrupts need
   uint8_t reset_cause = 0;       // ResetBit: why the firmware started
   uint16_t flash_crc = 0;        // CRC-16 of the program as it lies in the flash
+  FlashState flash_state = FlashState::kUnsealed;
 
   template <class Io>
   void fields(Io& io) {
@@ -148,9 +171,13 @@ struct Identity {
     io.u16(max_frames);
     io.u16(tick_ns);
     io.u16(min_exposure_us);
+    io.u32(max_exposure_us);
     io.u16(min_period_us);
+    io.u32(max_period_us);
+    io.u16(min_interval_us);
     io.u8(reset_cause);
     io.u16(flash_crc);
+    io.enumerator(flash_state);
   }
 };
 
@@ -162,7 +189,7 @@ struct StatusReport {
   uint16_t frames_done = 0;     // of that sequence
   uint8_t inputs = 0;           // InputBit
   uint32_t trigger_number = 0;  // camera pulses since the start
-  uint32_t now_us = 0;          // the firmware's clock, wraps
+  uint32_t now_ticks = 0;       // the firmware's clock, wraps
 
   template <class Io>
   void fields(Io& io) {
@@ -173,7 +200,7 @@ struct StatusReport {
     io.u16(frames_done);
     io.u8(inputs);
     io.u32(trigger_number);
-    io.u32(now_us);
+    io.u32(now_ticks);
   }
 };
 
@@ -182,31 +209,31 @@ struct FrameEvent {
   uint16_t arm_id = 0;
   uint16_t frame = 0;           // from 0, in the sequence
   uint32_t trigger_number = 0;  // from 1, camera pulses since the start of the firmware
-  uint32_t pulse_us = 0;        // rise of the camera pulse, since START
-  uint32_t strobe_us = 0;       // rise of the strobe, since START
-  uint32_t strobe_length_us = 0;
+  uint32_t pulse_ticks = 0;     // rise of the camera pulse, since the first frame began
+  uint32_t strobe_ticks = 0;    // rise of the strobe, likewise
+  uint32_t strobe_length_ticks = 0;
 
   template <class Io>
   void fields(Io& io) {
     io.u16(arm_id);
     io.u16(frame);
     io.u32(trigger_number);
-    io.u32(pulse_us);
-    io.u32(strobe_us);
-    io.u32(strobe_length_us);
+    io.u32(pulse_ticks);
+    io.u32(strobe_ticks);
+    io.u32(strobe_length_ticks);
   }
 };
 
 struct DoneEvent {
   uint16_t arm_id = 0;
   uint16_t frames = 0;
-  uint32_t duration_us = 0;
+  uint32_t duration_ticks = 0;
 
   template <class Io>
   void fields(Io& io) {
     io.u16(arm_id);
     io.u16(frames);
-    io.u32(duration_us);
+    io.u32(duration_ticks);
   }
 };
 
@@ -226,17 +253,17 @@ struct FaultEvent {
 // Pushed when an input changed.
 struct InputsEvent {
   uint8_t inputs = 0;  // InputBit
-  uint32_t now_us = 0;
+  uint32_t now_ticks = 0;
 
   template <class Io>
   void fields(Io& io) {
     io.u8(inputs);
-    io.u32(now_us);
+    io.u32(now_ticks);
   }
 };
 
 // The longest frame the firmware sends.
-constexpr size_t kMaxOutgoingFrame = 32;
+constexpr size_t kMaxOutgoingFrame = 36;
 
 // Writes the whole frame of a message to `out`; the number of bytes, 0 when it does not fit.
 template <class Payload>

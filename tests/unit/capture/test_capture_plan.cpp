@@ -38,8 +38,33 @@ TEST_CASE("timings that cannot be run are refused with the numbers", "[plan]") {
   REQUIRE_FALSE(tight);
   CHECK(tight.error().code == ResultCode::kValueOutOfRange);
   CHECK(tight.error().text().find("14000") != std::string_view::npos);
+  CHECK(make_plan(patterns::standard(), {.exposure_us = 990000}).error().code == ResultCode::kValueOutOfRange);
+  CHECK(make_plan(patterns::standard(), {.period_us = 1000001}).error().code == ResultCode::kValueOutOfRange);
   CHECK(make_plan(patterns::standard(), {.exposure_us = 0}).error().code == ResultCode::kValueOutOfRange);
   CHECK(make_plan(Sequence(), {}).error().code == ResultCode::kLimitExceeded);
+}
+
+TEST_CASE("a camera that overlaps exposure and readout gets the shorter period, and one it can follow", "[plan]") {
+  const capture::CaptureTiming overlapping{.exposure_us = 8000, .readout_us = 12000, .overlap_gap_us = 50};
+  const auto plain = make_plan(patterns::standard(), overlapping);
+  REQUIRE(plain);
+  CHECK(plain->timing.groups[0].period_us == 12000);
+  CHECK(core::judge(plain->timing) == protocol::Refusal::kNone);
+
+  auto hdr = patterns::standard();
+  for (const double exposure_us : {9000.0, 700.0, 4000.0}) {
+    hdr.frames.insert(hdr.frames.end(), 3, patterns::frame(FrameKind::kWhite));
+    for (std::size_t i = hdr.frames.size() - 3; i < hdr.frames.size(); ++i) hdr.frames[i].exposure_us = exposure_us;
+  }
+  const auto plan = make_plan(hdr, overlapping);
+  REQUIRE(plan);
+  REQUIRE(plan->timing.group_count == 4);
+  CHECK(plan->timing.groups[1].period_us == 9000 + 12000 - 700);
+  CHECK(plan->timing.groups[3].period_us == 12000);
+  CHECK(core::judge(plan->timing) == protocol::Refusal::kNone);
+  auto fixed = overlapping;
+  fixed.period_us = 13000;
+  CHECK(make_plan(hdr, fixed).error().code == ResultCode::kValueOutOfRange);
 }
 
 TEST_CASE("what a frame must show follows from its pattern", "[plan]") {

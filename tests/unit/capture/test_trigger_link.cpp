@@ -193,7 +193,7 @@ TEST_CASE("a firmware of another protocol version is told from a silent one", "[
     }
     return link.tried() && link.last_error().text().find("flash the matching firmware") != std::string_view::npos;
   }));
-  CHECK(link.last_error().text().find("expected protocol version 1, found 2") != std::string_view::npos);
+  CHECK(link.last_error().text().find("expected protocol version 2, found 3") != std::string_view::npos);
   ::close(board);
 }
 

@@ -1,5 +1,5 @@
-// A bench for the sequencer: a clock that jumps from deadline to deadline, a camera that answers pulses with strobes,
-// and a record of all output edges.
+// A bench for the sequencer, in microseconds: a clock that jumps from deadline to deadline, a camera that answers
+// pulses with strobes, and a record of all output edges.
 #pragma once
 
 #include <algorithm>
@@ -41,7 +41,7 @@ struct Edge {
 class Bench {
  public:
   explicit Bench(std::uint8_t inputs = kStands, std::uint32_t start_us = 0)
-      : now_us(start_us), sequencer(inputs, start_us) {}
+      : now_us(start_us), sequencer(inputs, core::ticks_of(start_us)) {}
 
   // Strobe delays of the camera model; nullopt: no strobe.
   std::optional<std::uint32_t> strobe_rise_delay_us = 20;
@@ -55,7 +55,7 @@ class Bench {
     while (true) {
       std::uint32_t next_us = until_us;
       std::uint32_t deadline_us = 0;
-      if (sequencer.next_deadline(deadline_us) && earlier(deadline_us, next_us)) next_us = deadline_us;
+      if (next_deadline(deadline_us) && earlier(deadline_us, next_us)) next_us = deadline_us;
       const auto strobe = std::min_element(strobes_.begin(), strobes_.end(),
                                            [](const Edge& a, const Edge& b) { return earlier(a.at_us, b.at_us); });
       const bool strobe_first = strobe != strobes_.end() && !earlier(next_us, strobe->at_us);
@@ -64,9 +64,9 @@ class Bench {
       if (strobe_first) {
         const bool level = strobe->level;
         strobes_.erase(strobe);
-        sequencer.on_strobe(level, now_us);
+        sequencer.on_strobe(level, now_ticks());
       } else {
-        sequencer.on_time(now_us);
+        sequencer.on_time(now_ticks());
       }
       record();
       if (!strobe_first && now_us == until_us) return;
@@ -75,23 +75,32 @@ class Bench {
   void run_for(std::uint32_t span_us) { run_to(now_us + span_us); }
 
   protocol::Refusal start(std::uint16_t arm_id) {
-    const auto refusal = sequencer.start(arm_id, now_us);
+    const auto refusal = sequencer.start(arm_id, now_ticks());
     record();
     return refusal;
   }
   void strobe(bool level) {
-    sequencer.on_strobe(level, now_us);
+    sequencer.on_strobe(level, now_ticks());
     record();
   }
   void inputs(std::uint8_t levels) {
-    sequencer.on_inputs(levels, now_us);
+    sequencer.on_inputs(levels, now_ticks());
     record();
   }
   void arm_and_start(const protocol::Arm& arm) {
     sequencer.arm(arm);
     start(arm.arm_id);
   }
-  protocol::StatusReport status() const { return sequencer.status(now_us); }
+  protocol::StatusReport status() const { return sequencer.status(now_ticks()); }
+  std::uint32_t now_ticks() const { return core::ticks_of(now_us); }
+  void host_spoke() { sequencer.host_spoke(now_ticks()); }
+  bool next_deadline(std::uint32_t& at_us) const {
+    std::uint32_t at_ticks = 0;
+    if (!sequencer.next_deadline(at_ticks)) return false;
+    // Half the range of the ticks is all that they tell of a time.
+    at_us = now_us + static_cast<std::uint32_t>(static_cast<std::int32_t>(at_ticks - now_ticks()) / 2);
+    return true;
+  }
   bool safe() const {
     const core::Outputs out = sequencer.outputs();
     return !out.projector && !out.camera && !out.busy;

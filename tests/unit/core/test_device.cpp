@@ -31,7 +31,7 @@ class Host {
   void send(Type type, std::uint8_t sequence, const Payload& payload, std::uint32_t now_us = 0) {
     std::uint8_t wire[protocol::kMaxFrame];
     const std::size_t size = protocol::encode(type, sequence, payload, wire, sizeof wire);
-    for (std::size_t i = 0; i < size; ++i) device_.on_byte(wire[i], now_us);
+    for (std::size_t i = 0; i < size; ++i) device_.on_byte(wire[i], core::ticks_of(now_us));
   }
 
   std::vector<Message> receive() {
@@ -81,8 +81,8 @@ TEST_CASE("a capture over the wire: identify, arm, start, frames, done", "[devic
   host.send(Type::kStart, 3, protocol::Start{40}, 500);
   CHECK(host.answer(Type::kStart, 3) == Refusal::kNone);
   for (std::uint32_t t = 500; t <= 500 + 25000; t += 50) {
-    device.sequencer().on_time(t);
-    device.sequencer().on_strobe(device.sequencer().outputs().camera, t);
+    device.sequencer().on_time(core::ticks_of(t));
+    device.sequencer().on_strobe(device.sequencer().outputs().camera, core::ticks_of(t));
   }
   messages = host.receive();
   REQUIRE(messages.size() == 3);
@@ -95,7 +95,63 @@ TEST_CASE("a capture over the wire: identify, arm, start, frames, done", "[devic
   const auto status = host.receive().at(0).as<protocol::StatusReport>();
   CHECK(status.state == protocol::State::kDone);
   CHECK(status.trigger_number == 2);
-  CHECK(status.now_us == 4711);
+  CHECK(status.now_ticks == core::ticks_of(4711));
+}
+
+TEST_CASE("the identity tells the limits that the board has", "[device]") {
+  core::BoardTiming board;
+  board.min_exposure_us = 60;
+  board.min_period_us = 500;
+  board.min_interval_us = 50;
+  core::Device device(protocol::Identity(), kStands, 0, board);
+  Host host(device);
+  host.send(Type::kIdentify, 1, protocol::Empty());
+  const auto identity = host.receive().at(0).as<protocol::Identity>();
+  CHECK(identity.tick_ns == core::kTick_ns);
+  CHECK(identity.min_exposure_us == 60);
+  CHECK(identity.max_exposure_us == protocol::kMaxExposure_us);
+  CHECK(identity.min_period_us == 500);
+  CHECK(identity.max_period_us == protocol::kMaxPeriod_us);
+  CHECK(identity.min_interval_us == 50);
+}
+
+TEST_CASE("why the firmware started may be a fault, told at once and latched", "[device]") {
+  struct Start {
+    std::uint8_t cause;
+    protocol::Fault fault;
+  };
+  const auto start =
+      GENERATE(Start{protocol::kResetBrownOut, protocol::Fault::kBrownOut},
+               Start{protocol::kResetWatchdog, protocol::Fault::kWatchdogReset},
+               Start{protocol::kResetPowerOn | protocol::kResetBrownOut, protocol::Fault::kNone},
+               Start{protocol::kResetExternal, protocol::Fault::kNone}, Start{0, protocol::Fault::kNone});
+  protocol::Identity identity;
+  identity.reset_cause = start.cause;
+  core::Device device(identity, kStands, 0);
+  Host host(device);
+  INFO("reset cause " << int{start.cause});
+  CHECK(device.sequencer().status(0).fault == start.fault);
+  const auto told = host.receive();
+  REQUIRE(told.size() == (start.fault == protocol::Fault::kNone ? 0 : 1));
+  if (!told.empty()) CHECK(told[0].as<protocol::FaultEvent>().fault == start.fault);
+  host.send(Type::kClear, 1, protocol::Empty());
+  CHECK(host.answer(Type::kClear, 1) == Refusal::kNone);
+  host.send(Type::kArm, 2, sequence(1, 2));
+  CHECK(host.answer(Type::kArm, 2) == Refusal::kNone);
+}
+
+TEST_CASE("a damaged program is a fault that CLEAR does not end", "[device]") {
+  protocol::Identity identity;
+  identity.flash_state = protocol::FlashState::kDamaged;
+  identity.reset_cause = protocol::kResetWatchdog;
+  core::Device device(identity, kStands, 0);
+  Host host(device);
+  CHECK(device.sequencer().status(0).fault == protocol::Fault::kFlashDamaged);
+  CHECK(host.receive().size() == 1);
+  host.send(Type::kClear, 1, protocol::Empty());
+  CHECK(host.answer(Type::kClear, 1) == Refusal::kFlashDamaged);
+  host.send(Type::kArm, 2, sequence(1, 2));
+  CHECK(host.answer(Type::kArm, 2) == Refusal::kFaultLatched);
 }
 
 TEST_CASE("wrong messages are refused with their reason", "[device]") {
@@ -133,14 +189,14 @@ TEST_CASE("KEEPALIVE keeps a sequence alive, CLEAR ends a fault, ABORT a sequenc
   host.send(Type::kArm, 1, arm);
   host.send(Type::kStart, 2, protocol::Start{1}, 0);
   host.receive();
-  device.sequencer().on_time(100);
-  device.sequencer().on_time(1000);
-  device.sequencer().on_strobe(true, 1000);
+  device.sequencer().on_time(core::ticks_of(100));
+  device.sequencer().on_time(core::ticks_of(1000));
+  device.sequencer().on_strobe(true, core::ticks_of(1000));
   host.send(Type::kKeepalive, 3, protocol::Empty(), 1500);
   CHECK(host.answer(Type::kKeepalive, 3) == Refusal::kNone);
-  device.sequencer().on_time(3499);
+  device.sequencer().on_time(core::ticks_of(3499));
   CHECK(device.sequencer().status(0).state == protocol::State::kRunning);
-  device.sequencer().on_time(3500);
+  device.sequencer().on_time(core::ticks_of(3500));
   const auto messages = host.receive();
   REQUIRE(messages.size() == 1);
   CHECK(messages[0].as<protocol::FaultEvent>().fault == protocol::Fault::kHostSilent);

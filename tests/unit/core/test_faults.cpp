@@ -150,7 +150,7 @@ TEST_CASE("a host silent for longer than armed is a fault, one that speaks is no
   for (int i = 0; i < 10; ++i) {
     bench.run_for(29000);
     bench.events<protocol::FrameEvent>();
-    bench.sequencer.host_spoke(bench.now_us);
+    bench.host_spoke();
   }
   CHECK(bench.status().state == State::kRunning);
   bench.run_for(30000);
@@ -169,11 +169,11 @@ TEST_CASE("events that nobody takes are a fault before one is lost", "[faults]")
 TEST_CASE("an edge served too late is a fault, a little late is not and shifts nothing", "[faults]") {
   Bench bench;
   bench.arm_and_start(sequence(1, 5));
-  bench.sequencer.on_time(100 + core::BoardTiming().late_limit_us);
+  bench.sequencer.on_time(core::ticks_of(100 + core::BoardTiming().late_limit_us));
   std::uint32_t next_us = 0;
-  REQUIRE(bench.sequencer.next_deadline(next_us));
+  REQUIRE(bench.next_deadline(next_us));
   CHECK(next_us == 1000);
-  bench.sequencer.on_time(1000 + core::BoardTiming().late_limit_us + 1);
+  bench.sequencer.on_time(core::ticks_of(1000 + core::BoardTiming().late_limit_us) + 1);
   check_fault(bench, Fault::kTimerLate, 0);
 }
 

@@ -33,6 +33,10 @@ TEST_CASE("each way a sequence cannot run has its own refusal", "[plan]") {
     arm.groups[0].exposure_us = 0;
     CHECK(core::judge(arm) == Refusal::kExposureOutOfRange);
   }
+  SECTION("an exposure beyond the longest") {
+    arm.groups[0].exposure_us = protocol::kMaxExposure_us + 1;
+    CHECK(core::judge(arm) == Refusal::kExposureOutOfRange);
+  }
   SECTION("an exposure that would wrap the sums") {
     arm.groups[0].exposure_us = 0xFFFFFFFF;
     CHECK(core::judge(arm) == Refusal::kExposureOutOfRange);
@@ -47,6 +51,16 @@ TEST_CASE("each way a sequence cannot run has its own refusal", "[plan]") {
     board.min_exposure_us = 8000;
     board.min_period_us = 12501;
     CHECK(core::judge(arm, board) == Refusal::kPeriodTooShort);
+  }
+  SECTION("an interval between two edges of a pin below what the board's interrupts need") {
+    core::BoardTiming board;
+    board.min_interval_us = 1000;
+    CHECK(core::judge(arm, board) == Refusal::kNone);
+    arm.groups[0].exposure_us = 999;
+    CHECK(core::judge(arm, board) == Refusal::kIntervalTooShort);
+    arm.groups[0].exposure_us = 1000;
+    arm.groups[0].settle_us = 999;
+    CHECK(core::judge(arm, board) == Refusal::kIntervalTooShort);
   }
   SECTION("settle within the advance pulse") {
     arm.groups[0].settle_us = protocol::kAdvancePulse_us - 1;
@@ -86,6 +100,27 @@ TEST_CASE("each way a sequence cannot run has its own refusal", "[plan]") {
     arm.groups[1].settle_us = 900;
     CHECK(core::judge(arm) == Refusal::kNone);
     arm.groups[1].settle_us = 899;
+    CHECK(core::judge(arm) == Refusal::kPeriodTooShort);
+  }
+  SECTION("a camera that overlaps: period below exposure + gap, or below the readout, by one microsecond") {
+    arm.groups[0].readout_us = 12500;
+    CHECK(core::judge(arm) == Refusal::kPeriodTooShort);
+    arm.groups[0].overlap_gap_us = 4500;
+    CHECK(core::judge(arm) == Refusal::kNone);
+    arm.groups[0].overlap_gap_us = 4501;
+    CHECK(core::judge(arm) == Refusal::kPeriodTooShort);
+    arm.groups[0].overlap_gap_us = 1;
+    arm.groups[0].readout_us = 12501;
+    CHECK(core::judge(arm) == Refusal::kPeriodTooShort);
+  }
+  SECTION("a camera that overlaps: a shorter exposure may not end before the readout it began in") {
+    arm.groups[0].readout_us = 6500;
+    arm.groups[0].overlap_gap_us = 100;
+    arm.group_count = 2;
+    arm.groups[1] = arm.groups[0];
+    arm.groups[1].exposure_us = 2000;
+    CHECK(core::judge(arm) == Refusal::kNone);
+    arm.groups[1].exposure_us = 1999;
     CHECK(core::judge(arm) == Refusal::kPeriodTooShort);
   }
   SECTION("a host that may never speak") {

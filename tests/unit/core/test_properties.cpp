@@ -50,7 +50,7 @@ void random_step(Bench& bench, beltpick::Random& random, std::uint16_t& arm_id) 
       break;
     default:
       bench.run_for(random.below(20000));
-      bench.sequencer.host_spoke(bench.now_us);
+      bench.host_spoke();
       bench.events<protocol::FrameEvent>();
   }
 }
@@ -66,7 +66,7 @@ void check_promises(const Bench& bench) {
   if ((status.inputs & protocol::kInputEmergencyStop) != 0) REQUIRE(status.state == State::kFault);
   if ((status.inputs & protocol::kInputBeltStopped) == 0) REQUIRE(status.state != State::kRunning);
   std::uint32_t at_us = 0;
-  REQUIRE(bench.sequencer.next_deadline(at_us) == (status.state == State::kRunning));
+  REQUIRE(bench.next_deadline(at_us) == (status.state == State::kRunning));
 }
 
 // Whatever happened: release the stop, let the belt stand, clear, and a capture runs to its end.

@@ -20,7 +20,7 @@ TEST_CASE("every edge of a sequence comes at its time, also where the clock wrap
     CHECK(bench.status().frames_done == 2);
     const auto done = bench.events<protocol::DoneEvent>();
     REQUIRE(done.size() == 1);
-    CHECK(done[0].duration_us == 25000);
+    CHECK(done[0].duration_ticks == core::ticks_of(25000));
     CHECK(done[0].frames == 2);
   }
 }
@@ -53,9 +53,9 @@ TEST_CASE("a frame is told with its measured strobe and a trigger number that ru
       CHECK(events[0].arm_id == id);
       CHECK(events[0].frame == frame);
       CHECK(events[0].trigger_number == ++trigger);
-      CHECK(events[0].pulse_us == frame * 12500U + 1000U);
-      CHECK(events[0].strobe_us == frame * 12500U + 1020U);
-      CHECK(events[0].strobe_length_us == 8005);
+      CHECK(events[0].pulse_ticks == core::ticks_of(frame * 12500U + 1000U));
+      CHECK(events[0].strobe_ticks == core::ticks_of(frame * 12500U + 1020U));
+      CHECK(events[0].strobe_length_ticks == core::ticks_of(8005));
     }
     CHECK(bench.now_us == start_us + 37500);
   }
@@ -99,13 +99,14 @@ TEST_CASE("a board that prepares its edges gets a lead, and every time counts fr
   bench.sequencer.arm(sequence(1, 2));
   CHECK(bench.sequencer.start_by_pin(0) == Refusal::kNone);
   CHECK(bench.sequencer.running());
-  CHECK(bench.sequencer.start_us() == 1000);
+  CHECK(bench.sequencer.start_ticks() == core::ticks_of(1000));
   CHECK(bench.sequencer.outputs().busy);
   CHECK_FALSE(bench.sequencer.outputs().projector);
   core::EdgeWalk walk;
-  walk.start(bench.sequencer.start_us());
+  walk.start(bench.sequencer.start_ticks());
   std::vector<std::uint32_t> ahead;
-  for (; walk.edge() != core::Edge::kSequenceEnds; walk.pass(bench.sequencer.plan())) ahead.push_back(walk.at_us());
+  for (; walk.edge() != core::Edge::kSequenceEnds; walk.pass(bench.sequencer.plan()))
+    ahead.push_back(walk.at_ticks() / 2);
   bench.run_for(30000);
   std::vector<std::uint32_t> seen;
   for (const Edge& edge : bench.edges) {
@@ -114,7 +115,7 @@ TEST_CASE("a board that prepares its edges gets a lead, and every time counts fr
   CHECK(seen == ahead);
   const auto frames = bench.events<protocol::FrameEvent>();
   REQUIRE(frames.size() == 2);
-  CHECK(frames[0].pulse_us == 1000);
+  CHECK(frames[0].pulse_ticks == core::ticks_of(1000));
 }
 
 TEST_CASE("the START input starts nothing that is not armed", "[sequencer]") {
@@ -169,5 +170,5 @@ TEST_CASE("inputs are told when they change and only then", "[sequencer]") {
   const auto events = bench.events<protocol::InputsEvent>();
   REQUIRE(events.size() == 1);
   CHECK(events[0].inputs == kStands);
-  CHECK(events[0].now_us == 77);
+  CHECK(events[0].now_ticks == core::ticks_of(77));
 }

@@ -102,12 +102,12 @@ TEST_CASE("a sequence runs over the serial line with exact edges in the board's 
   for (std::uint16_t i = 0; i < 22; ++i) {
     REQUIRE(cell.await(protocol::Type::kFrameEvent, frame));
     CHECK(frame.frame == i);
-    CHECK(frame.pulse_us == 3000U * i + 200U);
-    CHECK(frame.strobe_us - frame.pulse_us < 500);
+    CHECK(frame.pulse_ticks == core::ticks_of(3000U * i + 200U));
+    CHECK(frame.strobe_ticks - frame.pulse_ticks < core::ticks_of(500));
   }
   protocol::DoneEvent done;
   REQUIRE(cell.await(protocol::Type::kDoneEvent, done));
-  CHECK(done.duration_us == 22 * 3000);
+  CHECK(done.duration_ticks == core::ticks_of(22 * 3000));
   const auto pulses = cell.edges(Pin::kCameraTrigger);
   REQUIRE(pulses.size() == 44);
   for (std::size_t i = 0; i < pulses.size(); i += 2) {

@@ -39,6 +39,7 @@ Arm full_arm() {
     arm.groups[i].exposure_us = 8000U + i;
     arm.groups[i].period_us = 16666U + i;
     arm.groups[i].readout_us = 4000U + i;
+    arm.groups[i].overlap_gap_us = static_cast<std::uint16_t>(10U + i);
   }
   return arm;
 }
@@ -50,9 +51,9 @@ TEST_CASE("fields lie on the wire little-endian, in the order PROTOCOL.md gives"
   event.arm_id = 0x0201;
   event.frame = 0x0403;
   event.trigger_number = 0x08070605;
-  event.pulse_us = 0x0C0B0A09;
-  event.strobe_us = 0x100F0E0D;
-  event.strobe_length_us = 0x14131211;
+  event.pulse_ticks = 0x0C0B0A09;
+  event.strobe_ticks = 0x100F0E0D;
+  event.strobe_length_ticks = 0x14131211;
   const auto message = message_of(Type::kFrameEvent, 9, event);
   REQUIRE(message.size() == 23);
   CHECK(message[0] == kVersion);
@@ -64,7 +65,7 @@ TEST_CASE("fields lie on the wire little-endian, in the order PROTOCOL.md gives"
 TEST_CASE("the longest ARM fits and comes back as it was", "[messages]") {
   const Arm sent = full_arm();
   const auto message = message_of(Type::kArm, 200, sent);
-  REQUIRE(message.size() == kHeaderBytes + 9 + kMaxGroups * 18);
+  REQUIRE(message.size() == kHeaderBytes + 9 + kMaxGroups * 20);
   Header header;
   REQUIRE(decode_header(message.data(), message.size(), header));
   CHECK(header.type == Type::kArm);
@@ -73,6 +74,7 @@ TEST_CASE("the longest ARM fits and comes back as it was", "[messages]") {
   REQUIRE(decode_payload(message.data(), message.size(), found));
   CHECK(found.strobe_tolerance_us == sent.strobe_tolerance_us);
   CHECK(found.groups[7].readout_us == 4007);
+  CHECK(found.groups[7].overlap_gap_us == 17);
   CHECK(message_of(Type::kArm, 200, found) == message);
 }
 

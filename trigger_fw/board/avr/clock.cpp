@@ -21,7 +21,7 @@ void start_clock() {
   TIMSK0 = 1U << OCIE0A;
 }
 
-uint32_t now_us() {
+uint32_t now_ticks() {
   uint32_t high;
   uint16_t low;
   ATOMIC_BLOCK(ATOMIC_RESTORESTATE) {
@@ -30,21 +30,21 @@ uint32_t now_us() {
     // An overflow whose interrupt has to wait.
     if ((EdgeTimer::flags() & 1U << TOV1) != 0 && low < 0x8000U) ++high;
   }
-  // high << 15 | low >> 1, without the fifteen shifts.
-  const uint32_t us = (high << 16U | low) >> 1U;
-  return (high & 0x10000U) != 0 ? us | 0x80000000U : us;
+  return high << 16U | low;
 }
 
-uint32_t us_of(uint16_t tick) {
-  const uint32_t now = now_us();
-  const uint16_t ago = static_cast<uint16_t>(static_cast<uint16_t>(now << 1U) - tick);
-  // A tick of this very moment may lie before the microsecond in which `now` was read.
-  return ago >= 0xFFF0U ? now : now - (ago >> 1U);
+uint32_t ticks_of_count(uint16_t count) {
+  const uint32_t now = now_ticks();
+  return now - static_cast<uint16_t>(static_cast<uint16_t>(now) - count);
 }
 
-void wake_in(uint32_t span_us) {
+void wake_in(int32_t span_ticks) {
+  constexpr int32_t kTicksPerStep = 8;
   uint8_t steps = 250;
-  if (span_us < 1000) steps = static_cast<uint8_t>(2U + (static_cast<uint16_t>(span_us) >> 2U));
+  if (span_ticks < 248 * kTicksPerStep) steps = 2;
+  if (span_ticks > 0 && span_ticks < 248 * kTicksPerStep) {
+    steps = static_cast<uint8_t>(2U + (static_cast<uint16_t>(span_ticks) >> 3U));
+  }
   uint8_t at = static_cast<uint8_t>(TCNT0 + steps);
   OCR0A = at != 0 ? at : 1;
 }

@@ -1,5 +1,5 @@
-// The board's microseconds, from the 16-bit edge timer (half a microsecond a tick) and its overflows; and the timer
-// that wakes the main loop.
+// The board's ticks of half a microsecond, from the 16-bit edge timer and its overflows; and the timer that wakes the
+// main loop.
 #pragma once
 
 #include <stdint.h>
@@ -9,22 +9,16 @@
 namespace beltpick {
 namespace avr {
 
-constexpr uint16_t kTick_ns = 500;
-
 void start_clock();
 
 // Not from an interrupt.
-uint32_t now_us();
+uint32_t now_ticks();
 
-// The compare value of a time. Always odd, half a microsecond late for every edge alike: value 0, which simulators
-// never match, does not occur.
-inline uint16_t tick_of(uint32_t at_us) { return static_cast<uint16_t>(at_us << 1U | 1U); }
+// The time of a count of the edge timer that passed less than 32 ms ago.
+uint32_t ticks_of_count(uint16_t count);
 
-// The time of a tick that passed less than 32 ms ago.
-uint32_t us_of(uint16_t tick);
-
-// Wakes the main loop after about this time, after a millisecond at the latest.
-void wake_in(uint32_t span_us);
+// Wakes the main loop after about this time (at once when it is over), after a millisecond at the latest.
+void wake_in(int32_t span_ticks);
 
 // Interrupts that leave work to the main loop say so; the main loop sleeps only when none has.
 extern volatile bool work_waits;

@@ -32,6 +32,16 @@ BELTPICK_INLINE void await_end_of(bool level) {
   }
 }
 
+BELTPICK_INLINE void note_strobe(bool level, uint16_t tick) {
+  await_end_of(level);
+  const uint8_t next = static_cast<uint8_t>((strobe_tail + 1U) % kStrobes);
+  if (next == strobe_head) return;
+  strobe_ticks[strobe_tail] = tick;
+  strobe_levels[strobe_tail] = level;
+  strobe_tail = next;
+  work_waits = true;
+}
+
 }  // namespace
 
 void start_inputs() {
@@ -43,7 +53,13 @@ void start_inputs() {
   enable_input_interrupts();
 }
 
+// An edge within the few cycles in which the one before it turned the capture is not captured: the pin tells of it.
 bool next_strobe_edge(StrobeEdge& edge) {
+  ATOMIC_BLOCK(ATOMIC_RESTORESTATE) {
+    const bool level = StrobePin::read();
+    const bool captured = (EdgeTimer::flags() & 1U << ICF1) != 0;
+    if (strobe_head == strobe_tail && level != strobe_level && !captured) note_strobe(level, EdgeTimer::count());
+  }
   if (strobe_head == strobe_tail) return false;
   edge.level = strobe_levels[strobe_head];
   edge.tick = strobe_ticks[strobe_head];
@@ -122,13 +138,7 @@ ISR(BELTPICK_VECTOR_CAPTURE) {
   using namespace beltpick::avr;
   const uint16_t tick = EdgeTimer::capture();
   const bool level = StrobePin::read();
-  const bool is_new = level != strobe_level;
-  await_end_of(level);
-  const uint8_t next = static_cast<uint8_t>((strobe_tail + 1U) % kStrobes);
-  if (!is_new || next == strobe_head) return;
-  strobe_ticks[strobe_tail] = tick;
-  strobe_levels[strobe_tail] = level;
-  strobe_tail = next;
-  work_waits = true;
+  if (level == strobe_level) return;
+  note_strobe(level, tick);
   sei();  // while the registers come back, the emergency stop need not wait
 }

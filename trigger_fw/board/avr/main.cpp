@@ -20,7 +20,8 @@ core::BoardTiming board_timing() {
   timing.start_lead_us = 1000;
   // The player drives the edges and tells itself when one is late; the core follows as the main loop finds time.
   timing.late_limit_us = 20000;
-  timing.min_exposure_us = kMinExposure_us;
+  timing.min_interval_us = kMinInterval_us;
+  timing.min_exposure_us = kMinInterval_us;
   timing.min_period_us = kMinPeriod_us;
   return timing;
 }
@@ -32,18 +33,16 @@ protocol::Identity identity() {
   identity.firmware_major = kVersion[0];
   identity.firmware_minor = kVersion[1];
   identity.firmware_patch = kVersion[2];
-  identity.tick_ns = kTick_ns;
-  identity.min_exposure_us = kMinExposure_us;
-  identity.min_period_us = kMinPeriod_us;
   identity.reset_cause = reset_cause();
   identity.flash_crc = flash_crc();
+  identity.flash_state = flash_state();
   return identity;
 }
 
 class Firmware {
  public:
-  Firmware() : device_(identity(), read_inputs(), now_us(), board_timing()) {
-    device_.sequencer().on_strobe(StrobePin::read(), now_us());
+  Firmware() : device_(identity(), read_inputs(), now_ticks(), board_timing()) {
+    device_.sequencer().on_strobe(StrobePin::read(), now_ticks());
   }
 
   // Pins before bytes: putting a message together takes half a millisecond.
@@ -64,33 +63,37 @@ class Firmware {
   // The time is read first, and everything is told in the order in which it happened: what strobes did up to then is
   // known before their deadlines are judged, and a strobe that the emergency stop cut short is no fault of the strobe.
   void follow_pins() {
-    const uint32_t now = now_us();
+    const uint32_t now = now_ticks();
     uint16_t stop_tick;
     if (take_emergency_stop(stop_tick)) {
-      const uint32_t stop_us = us_of(stop_tick);
-      follow_strobe(stop_us);
-      sequencer().on_inputs(read_inputs() | protocol::kInputEmergencyStop, stop_us);
+      const uint32_t stop_ticks = ticks_of_count(stop_tick);
+      follow_strobe(stop_ticks);
+      sequencer().on_inputs(read_inputs() | protocol::kInputEmergencyStop, stop_ticks);
       release_player();
     }
     follow_strobe(now);
     sequencer().on_inputs(read_inputs(), now);  // and serves what is due by then
-    if (take_start()) sequencer().start_by_pin(now_us());
+    if (take_start()) sequencer().start_by_pin(odd(now_ticks()));
   }
 
-  void follow_strobe(uint32_t until_us) {
+  void follow_strobe(uint32_t until_ticks) {
     StrobeEdge edge;
     while (next_strobe_edge(edge)) {
-      const uint32_t at_us = us_of(edge.tick);
-      if (static_cast<int32_t>(at_us - until_us) > 0) return;
-      sequencer().on_strobe(edge.level, at_us);
+      const uint32_t at_ticks = ticks_of_count(edge.tick);
+      if (static_cast<int32_t>(at_ticks - until_ticks) > 0) return;
+      sequencer().on_strobe(edge.level, at_ticks);
       drop_strobe_edge();
     }
   }
 
+  // What starts at an odd tick has all its edges at odd ones: none then falls on the timer's count 0, which simulators
+  // never match.
+  static uint32_t odd(uint32_t ticks) { return ticks | 1U; }
+
   void exchange_bytes() {
     uint8_t byte;
     uint8_t left = kBytesPerTurn;
-    const uint32_t now = now_us();
+    const uint32_t now = odd(now_ticks());
     while (left > 0 && receive(byte)) {
       device_.on_byte(byte, now);
       --left;
@@ -102,7 +105,7 @@ class Firmware {
 
   void play() {
     if (sequencer().running()) {
-      if (!playing_) walk_.start(sequencer().start_us());
+      if (!playing_) walk_.start(sequencer().start_ticks());
       playing_ = true;
       hand_edges();
     }
@@ -114,10 +117,11 @@ class Firmware {
 
   void hand_edges() {
     while (walk_.edge() != core::Edge::kSequenceEnds) {
-      const uint32_t now = now_us();
-      if (static_cast<int32_t>(walk_.at_us() - now) > static_cast<int32_t>(kHorizon_us)) return;
+      const uint32_t now = now_ticks();
+      if (static_cast<int32_t>(walk_.at_ticks() - now) > static_cast<int32_t>(core::ticks_of(kHorizon_us))) return;
       const bool of_camera = walk_.edge() == core::Edge::kPulseRises || walk_.edge() == core::Edge::kPulseFalls;
-      const Handed handed = of_camera ? hand_camera_edge(walk_.at_us(), now) : hand_projector_edge(walk_.at_us(), now);
+      const Handed handed =
+          of_camera ? hand_camera_edge(walk_.at_ticks(), now) : hand_projector_edge(walk_.at_ticks(), now);
       if (handed == Handed::kTooLate) sequencer().on_late_edge();
       if (handed != Handed::kTaken) return;
       walk_.pass(sequencer().plan());
@@ -137,8 +141,8 @@ class Firmware {
   }
 
   void sleep() {
-    uint32_t at_us;
-    wake_in(sequencer().next_deadline(at_us) ? at_us - now_us() : 1000);
+    uint32_t at_ticks;
+    wake_in(sequencer().next_deadline(at_ticks) ? static_cast<int32_t>(at_ticks - now_ticks()) : 2000);
     cli();
     if (!work_waits) {
       sleep_enable();

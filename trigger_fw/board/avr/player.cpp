@@ -3,6 +3,7 @@
 #include <util/atomic.h>
 
 #include "clock.hpp"
+#include "core/plan.hpp"
 
 namespace beltpick {
 namespace avr {
@@ -32,11 +33,12 @@ template <class Hardware>
 class Channel {
  public:
   // With interrupts off.
-  Handed hand(uint16_t tick, uint32_t ahead_us) {
+  Handed hand(uint16_t tick, uint32_t ahead_ticks) {
     if (player_tripped) return Handed::kFull;
     if (count_ == kRing) return Handed::kFull;
     if (count_ == 0) {
-      if (static_cast<int32_t>(ahead_us) < static_cast<int32_t>(kHandover_us)) return Handed::kTooLate;
+      if (static_cast<int32_t>(ahead_ticks) < static_cast<int32_t>(core::ticks_of(kHandover_us)))
+        return Handed::kTooLate;
       prepare(tick);
     }
     ticks_[static_cast<uint8_t>(head_ + count_) & (kRing - 1U)] = tick;
@@ -103,15 +105,15 @@ void start_player() {
   stop_player();
 }
 
-Handed hand_camera_edge(uint32_t at_us, uint32_t now_us) {
-  const uint16_t tick = tick_of(at_us);
-  ATOMIC_BLOCK(ATOMIC_RESTORESTATE) { return camera.hand(tick, at_us - now_us); }
+Handed hand_camera_edge(uint32_t at_ticks, uint32_t now_ticks) {
+  const uint16_t tick = static_cast<uint16_t>(at_ticks);
+  ATOMIC_BLOCK(ATOMIC_RESTORESTATE) { return camera.hand(tick, at_ticks - now_ticks); }
   return Handed::kFull;
 }
 
-Handed hand_projector_edge(uint32_t at_us, uint32_t now_us) {
-  const uint16_t tick = tick_of(at_us);
-  ATOMIC_BLOCK(ATOMIC_RESTORESTATE) { return projector.hand(tick, at_us - now_us); }
+Handed hand_projector_edge(uint32_t at_ticks, uint32_t now_ticks) {
+  const uint16_t tick = static_cast<uint16_t>(at_ticks);
+  ATOMIC_BLOCK(ATOMIC_RESTORESTATE) { return projector.hand(tick, at_ticks - now_ticks); }
   return Handed::kFull;
 }
 

@@ -16,17 +16,17 @@ namespace avr {
 constexpr uint32_t kHorizon_us = 15000;
 // An edge must be handed over this long before its time.
 constexpr uint32_t kHandover_us = 20;
-// The shortest interval between two edges of a pin: longer than the latest interrupt.
-constexpr uint16_t kMinExposure_us = 50;
+// The shortest interval between two edges of a pin: longer than the latest interrupt behind the first.
+constexpr uint16_t kMinInterval_us = 50;
 // The shortest period: the main loop hands over four frames ahead, and may be busy with messages meanwhile.
 constexpr uint16_t kMinPeriod_us = 500;
 
 void start_player();
 
 enum class Handed : uint8_t { kTaken, kFull, kTooLate };
-// Each edge moves the pin to its other level. `now_us` as read just before.
-Handed hand_camera_edge(uint32_t at_us, uint32_t now_us);
-Handed hand_projector_edge(uint32_t at_us, uint32_t now_us);
+// Each edge moves the pin to its other level. `now_ticks` as read just before.
+Handed hand_camera_edge(uint32_t at_ticks, uint32_t now_ticks);
+Handed hand_projector_edge(uint32_t at_ticks, uint32_t now_ticks);
 
 // Both pins low, at once, and nothing more to play. Leaves the timer ready for the next sequence.
 void stop_player();

@@ -5,8 +5,8 @@
 #include <avr/pgmspace.h>
 #include <avr/wdt.h>
 
+#include "boot/flash_memory.hpp"
 #include "boot/handover.hpp"
-#include "protocol/framing.hpp"
 
 // The linker's mark behind the last byte of the program. Its address is what counts.
 extern "C" const char __data_load_end;
@@ -35,6 +35,15 @@ uint16_t flash_crc() {
   uint16_t crc = protocol::kCrcStart;
   for (uint16_t at = 0; at < end; ++at) crc = protocol::crc16_step(crc, pgm_read_byte(at));
   return crc;
+}
+
+protocol::FlashState flash_state() {
+  bool sealed = false;
+  for (uint8_t i = 0; i < boot::kRecordBytes; ++i) {
+    sealed = sealed || boot::read_flash(static_cast<boot::FlashAddress>(boot::record_address(boot::kChip) + i)) != 0xFF;
+  }
+  if (!sealed) return protocol::FlashState::kUnsealed;
+  return boot::firmware_is_whole() ? protocol::FlashState::kWhole : protocol::FlashState::kDamaged;
 }
 
 void enter_loader() {

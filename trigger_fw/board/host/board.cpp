@@ -4,6 +4,7 @@
 #include <sys/eventfd.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <ctime>
 #include <system_error>
@@ -26,8 +27,8 @@ std::uint8_t input_bits(const BoardOptions& options) {
 protocol::Identity identity() {
   protocol::Identity identity;
   identity.board = protocol::BoardKind::kHost;
-  identity.firmware_minor = 1;
-  identity.tick_ns = 1000;
+  identity.firmware_minor = 2;
+  identity.reset_cause = protocol::kResetPowerOn;
   return identity;
 }
 
@@ -37,7 +38,7 @@ Board::Board(BoardOptions options)
     : options_(std::move(options)),
       terminal_(options_.link),
       wake_fd_(::eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)),
-      clock_zero_us_(now_ns() / 1000),
+      clock_zero_ns_(now_ns()),
       inputs_(input_bits(options_)),
       device_(identity(), inputs_, 0) {
   if (wake_fd_ < 0) throw std::system_error(errno, std::generic_category(), "eventfd");
@@ -57,21 +58,30 @@ void Board::wake() {
   [[maybe_unused]] const ssize_t written = ::write(wake_fd_, &one, sizeof one);
 }
 
-std::uint32_t Board::raw_board_us() const { return static_cast<std::uint32_t>(now_ns() / 1000 - clock_zero_us_); }
+std::int64_t Board::raw_ticks() const { return (now_ns() - clock_zero_ns_) / core::kTick_ns; }
+
+// The core's clock has 32 bits of it.
+std::uint32_t Board::core_ticks(std::int64_t ticks) { return static_cast<std::uint32_t>(ticks); }
+
+// How much of the time up to `ticks` lies behind the core's next deadline; below 0 while it is ahead.
+std::optional<std::int32_t> Board::late_by(std::int64_t ticks) const {
+  std::uint32_t deadline_ticks = 0;
+  if (!device_.sequencer().next_deadline(deadline_ticks)) return std::nullopt;
+  return static_cast<std::int32_t>(core_ticks(ticks) - deadline_ticks);
+}
 
 // The clock does not pass a deadline that the thread has not served yet.
-std::uint32_t Board::board_us() const {
-  const std::uint32_t now_us = raw_board_us();
-  std::uint32_t deadline_us = 0;
-  if (!device_.sequencer().next_deadline(deadline_us)) return now_us;
-  return static_cast<std::int32_t>(now_us - deadline_us) < 0 ? now_us : deadline_us - 1;
+std::int64_t Board::board_ticks() const {
+  const std::int64_t now = raw_ticks();
+  const auto late_ticks = late_by(now);
+  return late_ticks && *late_ticks >= 0 ? now - *late_ticks - 1 : now;
 }
 
 void Board::set_strobe(bool active) {
   {
     const std::lock_guard lock(mutex_);
     if (swallowed({strobes_to_drop_, strobe_cut_}, active)) return;
-    device_.sequencer().on_strobe(active, board_us());
+    device_.sequencer().on_strobe(active, core_ticks(board_ticks()));
   }
   wake();
 }
@@ -84,7 +94,7 @@ void Board::set_input(std::uint8_t bit, bool level) {
   {
     const std::lock_guard lock(mutex_);
     inputs_ = static_cast<std::uint8_t>(level ? inputs_ | bit : inputs_ & ~bit);
-    device_.sequencer().on_inputs(inputs_, board_us());
+    device_.sequencer().on_inputs(inputs_, core_ticks(board_ticks()));
   }
   wake();
 }
@@ -103,7 +113,7 @@ bool Board::swallowed(WireFault fault, bool level) {
 
 protocol::StatusReport Board::status() {
   const std::lock_guard lock(mutex_);
-  return device_.sequencer().status(board_us());
+  return device_.sequencer().status(core_ticks(board_ticks()));
 }
 
 // What a request or an input changed is published before a deadline is served: no edge may hide behind the next one.
@@ -120,26 +130,23 @@ void Board::run() {
 // Hands the edges of the output pins to the callback, without the lock; first serves what is due, if so asked.
 void Board::publish(bool serving) {
   core::Outputs out;
-  std::uint32_t at_us = 0;
+  std::int64_t at_ticks = 0;
   {
     const std::lock_guard lock(mutex_);
-    at_us = serving ? serve() : board_us();
+    at_ticks = serving ? serve() : board_ticks();
     out = device_.sequencer().outputs();
   }
-  emit_changes(out, at_us);
+  emit_changes(out, static_cast<std::uint32_t>(at_ticks * core::kTick_ns / 1000));
 }
 
 // Serves the deadline that is due, if one is, at its own time: the clock is set back by the delay. Returns that time.
-std::uint32_t Board::serve() {
-  core::Sequencer& sequencer = device_.sequencer();
-  const std::uint32_t now_us = raw_board_us();
-  std::uint32_t deadline_us = 0;
-  if (!sequencer.next_deadline(deadline_us)) return now_us;
-  const auto late_us = static_cast<std::int32_t>(now_us - deadline_us);
-  if (late_us < 0) return now_us;
-  clock_zero_us_ += late_us;
-  sequencer.on_time(deadline_us);
-  return deadline_us;
+std::int64_t Board::serve() {
+  const std::int64_t now = raw_ticks();
+  const auto late_ticks = late_by(now);
+  if (!late_ticks || *late_ticks < 0) return now;
+  clock_zero_ns_ += std::int64_t{*late_ticks} * core::kTick_ns;
+  device_.sequencer().on_time(core_ticks(now - *late_ticks));
+  return now - *late_ticks;
 }
 
 // BUSY rises before and falls after the pulses it encloses: its rise sets the projector back.
@@ -167,7 +174,7 @@ void Board::receive() {
   const std::size_t count = terminal_.read(bytes, sizeof bytes);
   if (count == 0 || muted_) return;
   const std::lock_guard lock(mutex_);
-  for (std::size_t i = 0; i < count; ++i) device_.on_byte(bytes[i], board_us());
+  for (std::size_t i = 0; i < count; ++i) device_.on_byte(bytes[i], core_ticks(board_ticks()));
 }
 
 void Board::transmit() {
@@ -185,11 +192,9 @@ void Board::wait() {
   timespec timeout{.tv_sec = 0, .tv_nsec = 100'000'000};
   {
     const std::lock_guard lock(mutex_);
-    std::uint32_t deadline_us = 0;
-    if (device_.sequencer().next_deadline(deadline_us)) {
-      const auto left_us = static_cast<std::int32_t>(deadline_us - raw_board_us());
-      if (left_us <= 0) return;
-      if (left_us < 100'000) timeout.tv_nsec = left_us * 1000L;
+    if (const auto late_ticks = late_by(raw_ticks())) {
+      if (*late_ticks >= 0) return;
+      timeout.tv_nsec = std::min(timeout.tv_nsec, -*late_ticks * std::int64_t{core::kTick_ns});
     }
   }
   pollfd waits[] = {{terminal_.fd(), POLLIN, 0}, {wake_fd_, POLLIN, 0}};

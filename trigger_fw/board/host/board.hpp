@@ -2,7 +2,7 @@
 // pseudo-terminal, its output pins are a callback, its input pins are setters; wires can be cut.
 //
 // Its clock stands still while the PC is late: an edge that the scheduler delays is served at its own board time and
-// all later ones move with it. So the board keeps its microseconds exactly on a loaded PC, and edges never come closer
+// all later ones move with it. So the board keeps its time exactly on a loaded PC, and edges never come closer
 // than armed.
 //
 //   host::Board board({.link = "/tmp/trigger", .belt_stopped = true, .on_edge = [&](const host::PinEdge& edge) {
@@ -16,6 +16,7 @@
 #include <cstdint>
 #include <functional>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <thread>
 
@@ -67,7 +68,7 @@ class Board {
   void run();
   void wait();
   void publish(bool serving);
-  std::uint32_t serve();
+  std::int64_t serve();
   void emit_changes(const core::Outputs& out, std::uint32_t board_us);
   void emit(Pin pin, bool level, std::uint32_t board_us);
   void receive();
@@ -75,15 +76,17 @@ class Board {
   void set_input(std::uint8_t bit, bool level);
   void wake();
   static bool swallowed(WireFault fault, bool level);
-  [[nodiscard]] std::uint32_t raw_board_us() const;
-  [[nodiscard]] std::uint32_t board_us() const;
+  static std::uint32_t core_ticks(std::int64_t ticks);
+  [[nodiscard]] std::int64_t raw_ticks() const;
+  [[nodiscard]] std::int64_t board_ticks() const;
+  [[nodiscard]] std::optional<std::int32_t> late_by(std::int64_t ticks) const;
 
   BoardOptions options_;
   PseudoTerminal terminal_;
   int wake_fd_ = -1;
 
   std::mutex mutex_;  // guards what follows
-  std::int64_t clock_zero_us_ = 0;
+  std::int64_t clock_zero_ns_ = 0;
   std::uint8_t inputs_ = 0;
   bool strobe_cut_ = false;
   core::Device device_;
