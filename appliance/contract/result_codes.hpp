@@ -48,6 +48,10 @@ enum class ResultCode : std::uint16_t {
   kServiceBusy = 41,
   kCheckFailed = 42,
   kItemInUse = 43,
+  // A field update of the trigger box.
+  kFirmwareUnfit = 44,
+  kUpdateFailed = 45,
+  kDeviceInUse = 46,
   // The running cell.
   kFrameMissing = 100,
   kFrameIncomplete = 101,
@@ -166,6 +170,12 @@ inline constexpr auto kResultCodes = std::to_array<ResultCodeEntry>({
     {ResultCode::kCheckFailed, "CHECK_FAILED", "a check of the cell failed", "do what the check's remedy says"},
     {ResultCode::kItemInUse, "ITEM_IN_USE", "the cell cannot do without this template or recipe",
      "select another recipe first, or upload one that does without it"},
+    {ResultCode::kFirmwareUnfit, "FIRMWARE_UNFIT", "a firmware is for another board, or none of beltpick's",
+     "give the board's firmware, or a board its boot loader; see 'beltpick flash --help'"},
+    {ResultCode::kUpdateFailed, "UPDATE_FAILED", "the new firmware did not get into the microcontroller whole",
+     "run 'beltpick flash' again: the boot loader waits for it"},
+    {ResultCode::kDeviceInUse, "DEVICE_IN_USE", "another program has the device open",
+     "end that program, or stop its service meanwhile"},
     {ResultCode::kFrameMissing, "FRAME_MISSING", "the camera delivered fewer frames than were triggered",
      "check trigger wiring, network and exposure + readout against the period"},
     {ResultCode::kFrameIncomplete, "FRAME_INCOMPLETE", "packets of a frame were lost",
