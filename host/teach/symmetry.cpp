@@ -17,7 +17,10 @@ using Turn = Pose<frame::Part, frame::Part>;
 constexpr std::array kOrders{2, 3, 4, 5, 6, 8};
 // Turns by these hold for all angles only if the surface is one of revolution: none is a simple fraction of a circle.
 constexpr std::array kOddAngles_rad{0.31, 1.07, 1.93, 2.71};
-constexpr double kUnchangedShare = 0.0005;
+// A turn leaves a surface unchanged if all but so little of it comes to lie on itself again within twice the tolerance,
+// and within the tolerance all but what a mesh may be off at its edges.
+constexpr double kMarkShare = 0.0005;
+constexpr double kMeshedEdgesShare = 0.003;
 constexpr double kNearShare = 0.05;
 constexpr std::size_t kQuickSample = 600;
 constexpr std::size_t kMaxElements = 59;
@@ -33,18 +36,20 @@ Turn turn_about(const Vec3& centre, const Vec3& axis, double angle_rad) {
 class TurnTest {
  public:
   TurnTest(const Surface& surface, double tolerance_mm)
-      : surface_(surface), index_(surface.point_mm), tolerance_(static_cast<float>(tolerance_mm)) {}
+      : surface_(surface), index_(surface.point_mm), tolerance_mm_(static_cast<float>(tolerance_mm)) {}
 
-  // Share of the surface that does not come to lie on it again, from every point or a quick sample.
-  [[nodiscard]] double differing_share(const Turn& turn, bool quick) const {
+  // Share of the surface that does not come to lie on it again, within so many tolerances; from every point or a quick
+  // sample.
+  [[nodiscard]] double differing_share(const Turn& turn, bool quick, float tolerances = 1.0F) const {
     const std::size_t count = surface_.point_mm.size();
     const std::size_t step = quick ? std::max<std::size_t>(1, count / kQuickSample) : 1;
+    const float within_mm = tolerances * tolerance_mm_;
     std::size_t tried = 0;
     std::size_t off = 0;
     for (std::size_t i = 0; i < count; i += step, ++tried) {
       const Vec3f point = (turn * Vec3(surface_.point_mm[i].cast<double>())).cast<float>();
       const Vec3f normal = (turn.rotation * surface_.normal[i].cast<double>()).cast<float>();
-      if (!on_surface(point, normal)) ++off;
+      if (!on_surface(point, normal, within_mm)) ++off;
     }
     return static_cast<double>(off) / static_cast<double>(tried);
   }
@@ -74,25 +79,26 @@ class TurnTest {
   }
 
   [[nodiscard]] bool unchanged(const Turn& turn) const {
-    return differing_share(turn, true) < 0.01 && differing_share(turn, false) <= kUnchangedShare;
+    return differing_share(turn, true) < 0.01 && differing_share(turn, false) <= kMeshedEdgesShare &&
+           differing_share(turn, false, 2.0F) <= kMarkShare;
   }
 
  private:
   // On the tangent plane of a neighbour that looks the same way: at an edge the nearest point may be on the other face.
-  [[nodiscard]] bool on_surface(const Vec3f& point, const Vec3f& normal) const {
+  [[nodiscard]] bool on_surface(const Vec3f& point, const Vec3f& normal, float within_mm) const {
     std::array<Neighbour, 8> near;
     index_.nearest(point, near);
     const auto reach = static_cast<float>(2.5 * surface_.spacing_mm);
     return std::any_of(near.begin(), near.end(), [&](const Neighbour& n) {
       const Vec3f& n_normal = surface_.normal[n.index];
       return n.squared_mm2 < reach * reach && n_normal.dot(normal) > 0.7F &&
-             std::abs(n_normal.dot(point - surface_.point_mm[n.index])) < tolerance_;
+             std::abs(n_normal.dot(point - surface_.point_mm[n.index])) < within_mm;
     });
   }
 
   const Surface& surface_;
   NeighbourIndex index_;
-  float tolerance_;
+  float tolerance_mm_;
 };
 
 Vec3 centroid_of(const Surface& surface) {

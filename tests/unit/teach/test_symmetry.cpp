@@ -2,6 +2,7 @@
 
 #include "support/shapes.hpp"
 #include "teach/teach.hpp"
+#include "virtual_cell/render/scene_part.hpp"
 
 using namespace beltpick;
 
@@ -54,4 +55,21 @@ TEST_CASE("a part without symmetry has none, and a small mark is told", "[teach]
   REQUIRE(taught->nearest_turn.has_value());
   CHECK(taught->nearest_turn->differing_share < 0.05);
   CHECK(!taught->warnings.empty());
+}
+
+TEST_CASE("a meshed part has the symmetry that it is known to have", "[teach][symmetry]") {
+  for (const std::string& name : virtual_cell::builtin_part_names()) {
+    const auto part = virtual_cell::builtin_part(name);
+    REQUIRE(part);
+    const auto taught = teach::teach(part->mesh, {}, {});
+    REQUIRE(taught);
+    INFO(name << ": " << taught->part.symmetry.name);
+    CHECK(taught->part.symmetry.elements.size() == part->symmetries.size());
+  }
+}
+
+TEST_CASE("a mark that is one part in a thousand of the surface breaks a symmetry", "[teach][symmetry]") {
+  Mesh marked = test::box(60, 40, 20);
+  test::add_box(marked, {5, 5, 20}, {8, 8, 21});
+  CHECK(symmetry_of(marked).name == "none");
 }
