@@ -33,6 +33,8 @@ core::BoardTiming timing_of_a_pc() {
   return timing;
 }
 
+std::int32_t us_of(std::int32_t ticks) { return ticks / (1000 / core::kTick_ns); }
+
 }  // namespace
 
 LineTrigger::LineTrigger(const LineTriggerConfig& config, const CellLines& interlocks)
@@ -60,7 +62,7 @@ Result<void> LineTrigger::open(Gpio& gpio) {
   if (!taken) return taken;
   const auto level = strobe_->read();
   if (!level) return std::unexpected(level.error());
-  sequencer_.on_strobe(*level, board_us(monotonic_us()));
+  sequencer_.on_strobe(*level, board_ticks(monotonic_us()));
   opened_ = true;
   return {};
 }
@@ -92,7 +94,7 @@ std::uint8_t LineTrigger::input_bits(const CellInputs& inputs) {
 
 protocol::StatusReport LineTrigger::status() const {
   const std::lock_guard lock(mutex_);
-  return sequencer_.status(board_us(monotonic_us()));
+  return sequencer_.status(board_ticks(monotonic_us()));
 }
 
 Result<void> LineTrigger::refresh_status() {
@@ -117,7 +119,7 @@ Result<void> LineTrigger::start_sequence(std::uint16_t arm_id) {
   {
     const std::lock_guard lock(mutex_);
     worst_late_us_ = 0;
-    started = answer(sequencer_.start(arm_id, board_us(monotonic_us())), "START");
+    started = answer(sequencer_.start(arm_id, board_ticks(monotonic_us())), "START");
     drive();
   }
   wake();
@@ -150,8 +152,8 @@ std::optional<TriggerEvent> LineTrigger::next_event() {
   return events_.pop();
 }
 
-std::uint32_t LineTrigger::board_us(std::int64_t at_us) const {
-  return static_cast<std::uint32_t>(at_us - clock_zero_us_);
+std::uint32_t LineTrigger::board_ticks(std::int64_t at_us) const {
+  return static_cast<std::uint32_t>((at_us - clock_zero_us_) * 1000 / core::kTick_ns);
 }
 
 void LineTrigger::run() {
@@ -162,7 +164,7 @@ void LineTrigger::run() {
       const std::lock_guard lock(mutex_);
       if (!lost_) take_strobe();
       take_inputs();
-      serve_until(board_us(monotonic_us()));
+      serve_until(board_ticks(monotonic_us()));
       drive();
       hand_on_events();
     }
@@ -177,12 +179,14 @@ void LineTrigger::run() {
 void LineTrigger::take_inputs() {
   const CellInputs inputs = interlocks_.inputs();
   if (!inputs.known) return lose(interlocks_.last_error());
-  if (host_spoke_.exchange(false)) sequencer_.host_spoke(board_us(monotonic_us()));
-  std::uint32_t now_us = board_us(monotonic_us());
-  std::uint32_t due_us = 0;
+  if (host_spoke_.exchange(false)) sequencer_.host_spoke(board_ticks(monotonic_us()));
+  std::uint32_t now_ticks = board_ticks(monotonic_us());
+  std::uint32_t due_ticks = 0;
   // Edges that are due are served on their own, with their lateness: an input must not do it by the way.
-  if (sequencer_.next_deadline(due_us) && static_cast<std::int32_t>(now_us - due_us) >= 0) now_us = due_us - 1;
-  sequencer_.on_inputs(input_bits(inputs), now_us);
+  if (sequencer_.next_deadline(due_ticks) && static_cast<std::int32_t>(now_ticks - due_ticks) >= 0) {
+    now_ticks = due_ticks - 1;
+  }
+  sequencer_.on_inputs(input_bits(inputs), now_ticks);
 }
 
 void LineTrigger::take_strobe() {
@@ -190,23 +194,23 @@ void LineTrigger::take_strobe() {
     const auto edge = strobe_->next_edge();
     if (!edge) return lose(edge.error());
     if (!*edge) return;
-    serve_until(board_us((*edge)->at_us));
-    sequencer_.on_strobe((*edge)->active, board_us((*edge)->at_us));
+    serve_until(board_ticks((*edge)->at_us));
+    sequencer_.on_strobe((*edge)->active, board_ticks((*edge)->at_us));
   }
 }
 
-void LineTrigger::serve_until(std::uint32_t now_us) {
-  std::uint32_t due_us = 0;
-  while (sequencer_.next_deadline(due_us) && static_cast<std::int32_t>(now_us - due_us) >= 0) serve(due_us);
+void LineTrigger::serve_until(std::uint32_t now_ticks) {
+  std::uint32_t due_ticks = 0;
+  while (sequencer_.next_deadline(due_ticks) && static_cast<std::int32_t>(now_ticks - due_ticks) >= 0) serve(due_ticks);
 }
 
 // One deadline, at its own time; where it is an edge and late, the clock is set back by that.
-void LineTrigger::serve(std::uint32_t at_us) {
+void LineTrigger::serve(std::uint32_t at_ticks) {
   const core::Outputs before = sequencer_.outputs();
-  sequencer_.on_time(at_us);
+  sequencer_.on_time(at_ticks);
   const core::Outputs now = sequencer_.outputs();
   if (now.camera == before.camera && now.projector == before.projector) return;
-  const auto late_us = static_cast<std::int32_t>(board_us(monotonic_us()) - at_us);
+  const std::int32_t late_us = us_of(static_cast<std::int32_t>(board_ticks(monotonic_us()) - at_ticks));
   worst_late_us_ = std::max(worst_late_us_.load(), late_us);
   if (late_us > config_.late_limit_us) sequencer_.on_late_edge();
   const bool rises = (now.camera && !before.camera) || (now.projector && !before.projector);
@@ -260,10 +264,10 @@ void LineTrigger::wait() {
   std::int64_t until_us = 0;
   {
     const std::lock_guard lock(mutex_);
-    std::uint32_t due_us = 0;
-    if (sequencer_.next_deadline(due_us)) {
+    std::uint32_t due_ticks = 0;
+    if (sequencer_.next_deadline(due_ticks)) {
       const std::int64_t now_us = monotonic_us();
-      until_us = now_us + static_cast<std::int32_t>(due_us - board_us(now_us));
+      until_us = now_us + us_of(static_cast<std::int32_t>(due_ticks - board_ticks(now_us)));
       left_us = std::min(until_us - now_us, kIdle_us);
     }
   }

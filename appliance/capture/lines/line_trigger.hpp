@@ -62,8 +62,8 @@ class LineTrigger : public TriggerSource {
   void wait();
   void take_inputs();
   void take_strobe();
-  void serve_until(std::uint32_t board_us);
-  void serve(std::uint32_t at_us);
+  void serve_until(std::uint32_t now_ticks);
+  void serve(std::uint32_t at_ticks);
   void drive();
   void drive_line(GpioLine* line, bool before, bool now);
   void hand_on_events();
@@ -71,7 +71,7 @@ class LineTrigger : public TriggerSource {
   void wake() const;
   void lose(const Error& error);
   Result<void> answer(protocol::Refusal refusal, const char* what) const;
-  [[nodiscard]] std::uint32_t board_us(std::int64_t at_us) const;
+  [[nodiscard]] std::uint32_t board_ticks(std::int64_t at_us) const;
   [[nodiscard]] static std::uint8_t input_bits(const CellInputs& inputs);
 
   LineTriggerConfig config_;
