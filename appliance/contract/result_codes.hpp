@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "base/result.hpp"
+#include "protocol/faults.hpp"
 
 namespace beltpick {
 
@@ -281,9 +282,23 @@ inline constexpr auto kResultCodes = std::to_array<ResultCodeEntry>({
     {ResultCode::kDuplicatePose, "DUPLICATE_POSE", "the pose overlaps one that is better supported", ""},
 });
 
-// The entry of a code; firmware faults and unknown numbers answer with null.
+// The trigger firmware's faults as result codes, from the firmware's own table.
+inline constexpr auto kFirmwareResultCodes = [] {
+  std::array<ResultCodeEntry, protocol::kFaultCount> entries{};
+  for (std::size_t i = 0; i < entries.size(); ++i) {
+    const protocol::FaultEntry& fault = protocol::kFaultTable[i];
+    const int code = static_cast<int>(ResultCode::kFirmwareFaultBase) + static_cast<int>(fault.fault);
+    entries[i] = {static_cast<ResultCode>(code), fault.name, fault.cause, fault.remedy};
+  }
+  return entries;
+}();
+
+// The entry of a code; unknown numbers answer with null.
 constexpr const ResultCodeEntry* find_result_code(ResultCode code) {
   for (const ResultCodeEntry& entry : kResultCodes) {
+    if (entry.code == code) return &entry;
+  }
+  for (const ResultCodeEntry& entry : kFirmwareResultCodes) {
     if (entry.code == code) return &entry;
   }
   return nullptr;

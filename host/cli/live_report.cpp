@@ -10,12 +10,7 @@ namespace {
 
 using contract_io::Json;
 
-std::string code_name(std::uint16_t code) {
-  const auto known = static_cast<ResultCode>(code);
-  if (code > static_cast<std::uint16_t>(ResultCode::kFirmwareFaultBase))
-    return "FIRMWARE_FAULT_" + std::to_string(code - 200);
-  return std::string(result_code_name(known));
-}
+std::string code_name(std::uint16_t code) { return std::string(result_code_name(static_cast<ResultCode>(code))); }
 
 Json view_json(const virtual_cell::ViewRecord& view) {
   Json json{{"view", view.view},

@@ -1,4 +1,5 @@
 // beltpick registers: the PLC's reference, from the one table that the appliance itself uses.
+#include <algorithm>
 #include <memory>
 
 #include "commands.hpp"
@@ -48,12 +49,18 @@ std::string registers_csv() {
   return csv;
 }
 
+template <class Visitor>
+void each_code(Visitor visit) {
+  std::ranges::for_each(kResultCodes, visit);
+  std::ranges::for_each(kFirmwareResultCodes, visit);
+}
+
 std::string codes_csv() {
   std::string csv = "code,name,cause,remedy\n";
-  for (const ResultCodeEntry& entry : kResultCodes) {
+  each_code([&](const ResultCodeEntry& entry) {
     csv += std::to_string(static_cast<int>(entry.code)) + "," + field(entry.name) + "," + field(entry.cause) + "," +
            field(entry.remedy) + "\n";
-  }
+  });
   return csv;
 }
 
@@ -69,10 +76,10 @@ std::string bank_markdown(RegisterBank bank) {
 
 std::string codes_markdown() {
   std::string text = "| code | name | what happened | what to do |\n|---|---|---|---|\n";
-  for (const ResultCodeEntry& entry : kResultCodes) {
+  each_code([&](const ResultCodeEntry& entry) {
     text += "| " + std::to_string(static_cast<int>(entry.code)) + " | `" + std::string(entry.name) + "` | " +
             std::string(entry.cause) + " | " + std::string(entry.remedy) + " |\n";
-  }
+  });
   return text;
 }
 
@@ -102,12 +109,12 @@ Json as_json() {
                          {"meaning", entry.meaning}});
   }
   Json codes = Json::array();
-  for (const ResultCodeEntry& entry : kResultCodes) {
+  each_code([&](const ResultCodeEntry& entry) {
     codes.push_back({{"code", static_cast<int>(entry.code)},
                      {"name", entry.name},
                      {"cause", entry.cause},
                      {"remedy", entry.remedy}});
-  }
+  });
   return {{"registers", std::move(registers)}, {"result_codes", std::move(codes)}};
 }
 

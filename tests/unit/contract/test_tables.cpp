@@ -31,5 +31,7 @@ TEST_CASE("Result codes and their names are unique, and below the firmware's", "
     CHECK_FALSE(entry.cause.empty());
     CHECK(result_code_name(entry.code) == entry.name);
   }
-  CHECK(result_code_name(static_cast<ResultCode>(203)) == "FIRMWARE_FAULT");
+  CHECK(result_code_name(static_cast<ResultCode>(203)) == "STROBE_DOUBLE");
+  CHECK(result_code_name(static_cast<ResultCode>(299)) == "FIRMWARE_FAULT");  // of a newer firmware
+  CHECK_FALSE(find_result_code(ResultCode::kFirmwareFaultBase));
 }
