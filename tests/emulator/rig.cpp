@@ -7,8 +7,10 @@ namespace emulator {
 
 namespace {
 
+// Of the build, or what another compiler made of the same source.
 std::string firmware(Mcu mcu) {
-  return std::string(BELTPICK_FIRMWARE_DIR) +
+  const char* folder = std::getenv("BELTPICK_FIRMWARE_DIR");
+  return std::string(folder != nullptr ? folder : BELTPICK_FIRMWARE_DIR) +
          (mcu == Mcu::kAtmega2560 ? "/trigger_atmega2560.elf" : "/trigger_atmega328p.elf");
 }
 

@@ -39,7 +39,7 @@ void load_line(Rig& rig, beltpick::Random& random, int milliseconds) {
 
 }  // namespace
 
-TEST_CASE("the firmware identifies itself, its board and its flash", "[emulator]") {
+TEST_CASE("the firmware identifies itself, its board and its flash", "[emulator][edges]") {
   const Mcu mcu = GENERATE(Mcu::kAtmega2560, Mcu::kAtmega328p);
   Rig rig(mcu);
   const auto identity = rig.ask(Type::kIdentify, protocol::Empty()).as<protocol::Identity>();
@@ -57,7 +57,7 @@ TEST_CASE("the firmware identifies itself, its board and its flash", "[emulator]
   CHECK(rig.safe());
 }
 
-TEST_CASE("every edge of a 22-frame sequence comes at its cycle, and every strobe is measured", "[emulator]") {
+TEST_CASE("every edge of a 22-frame sequence comes at its cycle, and every strobe is measured", "[emulator][edges]") {
   Rig rig(GENERATE(Mcu::kAtmega2560, Mcu::kAtmega328p));
   const auto arm = sequence(7, 22);
   rig.arm_and_start(arm);
@@ -88,7 +88,7 @@ TEST_CASE("every edge of a 22-frame sequence comes at its cycle, and every strob
   CHECK(rig.safe());
 }
 
-TEST_CASE("groups with other exposures, the shortest and the longest times, keep to the plan", "[emulator]") {
+TEST_CASE("groups with other exposures, the shortest and the longest times, keep to the plan", "[emulator][edges]") {
   Rig rig(GENERATE(Mcu::kAtmega2560, Mcu::kAtmega328p));
   auto arm = sequence(1, 3);
   arm.group_count = 5;
@@ -105,7 +105,7 @@ TEST_CASE("groups with other exposures, the shortest and the longest times, keep
   CHECK(worst <= kToleranceCycles);
 }
 
-TEST_CASE("10,000 frames under a loaded serial line keep to their cycles, and none is lost", "[emulator]") {
+TEST_CASE("10,000 frames under a loaded serial line keep to their cycles, and none is lost", "[emulator][edges]") {
   Rig rig(GENERATE(Mcu::kAtmega2560, Mcu::kAtmega328p));
   beltpick::Random random(5);
   std::int64_t worst = 0;
@@ -129,7 +129,7 @@ TEST_CASE("10,000 frames under a loaded serial line keep to their cycles, and no
   CHECK(worst <= kToleranceCycles);
 }
 
-TEST_CASE("the START pin starts what is armed, once", "[emulator]") {
+TEST_CASE("the START pin starts what is armed, once", "[emulator][edges]") {
   Rig rig(GENERATE(Mcu::kAtmega2560, Mcu::kAtmega328p));
   REQUIRE(rig.request(Type::kArm, sequence(1, 2)) == Refusal::kNone);
   rig.edges.clear();
@@ -143,7 +143,7 @@ TEST_CASE("the START pin starts what is armed, once", "[emulator]") {
   CHECK(rig.status().state == State::kDone);
 }
 
-TEST_CASE("what the board cannot play is refused with its reason and moves no pin", "[emulator]") {
+TEST_CASE("what the board cannot play is refused with its reason and moves no pin", "[emulator][edges]") {
   Rig rig(GENERATE(Mcu::kAtmega2560, Mcu::kAtmega328p));
   auto arm = sequence(1, 2);
   arm.groups[0].exposure_us = 49;

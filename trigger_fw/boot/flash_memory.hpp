@@ -24,7 +24,13 @@ using FlashAddress = uint32_t;
 inline FlashAddress byte_address(uint8_t extended, uint16_t word) {
   return (static_cast<FlashAddress>(extended) << 16U | word) << 1U;
 }
-inline uint8_t read_flash(FlashAddress at) { return pgm_read_byte_far(at); }
+// avr-libc's own finds no registers under clang.
+inline uint8_t read_flash(FlashAddress at) {
+  uint8_t byte;
+  RAMPZ = static_cast<uint8_t>(at >> 16U);
+  __asm__ volatile("elpm %0, Z" : "=r"(byte) : "z"(static_cast<uint16_t>(at)));
+  return byte;
+}
 #else
 using FlashAddress = uint16_t;
 inline FlashAddress byte_address(uint8_t, uint16_t word) { return static_cast<FlashAddress>(word << 1U); }

@@ -267,14 +267,14 @@ constexpr size_t kMaxOutgoingFrame = 36;
 
 // Writes the whole frame of a message to `out`; the number of bytes, 0 when it does not fit.
 template <class Payload>
-size_t encode(Type type, uint8_t sequence, Payload payload, uint8_t* out, size_t capacity) {
+size_t encode(Type type, uint8_t sequence, const Payload& payload, uint8_t* out, size_t capacity) {
   uint8_t message[kMaxMessage];
   Writer writer(message, sizeof message);
   Header header;
   header.type = type;
   header.sequence = sequence;
   header.fields(writer);
-  payload.fields(writer);
+  Payload(payload).fields(writer);
   return writer.ok() ? encode_frame(message, writer.size(), out, capacity) : 0;
 }
 

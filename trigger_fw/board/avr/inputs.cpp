@@ -98,7 +98,6 @@ bool take_start() {
 
 // Takes both pins from the timer and pulls them low, and BUSY, before it saves what the rest needs.
 ISR(BELTPICK_VECTOR_EMERGENCY_STOP, ISR_NAKED) {
-  using namespace beltpick::avr;
   __asm__ volatile(
       "push r24"
       "\n\tin r24, __SREG__"
@@ -114,7 +113,7 @@ ISR(BELTPICK_VECTOR_EMERGENCY_STOP, ISR_NAKED) {
       "\n\tpop r24"
       "\n\tjmp __vector_emergency_stop_rest" ::[control] "i"(BELTPICK_ADDRESS_CONTROL_A),
       [port] "i"(BELTPICK_ADDRESS_PULSE_PORT), [busy_port] "I"(BELTPICK_BUSY_PORT), [busy_bit] "I"(BELTPICK_BUSY_BIT),
-      [others] "n"(0xFF & ~(CameraPin::kMask | ProjectorPin::kMask)));
+      [others] "n"(0xFF & ~(beltpick::avr::CameraPin::kMask | beltpick::avr::ProjectorPin::kMask)));
 }
 
 extern "C" void __vector_emergency_stop_rest() __attribute__((signal, used, externally_visible));

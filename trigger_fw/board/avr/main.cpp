@@ -1,7 +1,6 @@
 // The firmware of the AVR boards: the main loop that feeds the core, and hands the edges of a running sequence to the
 // player ahead of their time. All of the core runs here; interrupts only move bytes, ticks and pins.
 #include <avr/sleep.h>
-#include <avr/wdt.h>
 #include <util/atomic.h>
 
 #include "clock.hpp"
@@ -10,6 +9,7 @@
 #include "player.hpp"
 #include "serial.hpp"
 #include "start_up.hpp"
+#include "watchdog.hpp"
 
 namespace beltpick {
 namespace avr {
@@ -47,7 +47,7 @@ class Firmware {
 
   // Pins before bytes: putting a message together takes half a millisecond.
   void turn() {
-    wdt_reset();
+    feed_watchdog();
     follow_pins();
     if (take_late_edge()) sequencer().on_late_edge();
     play();
@@ -64,9 +64,9 @@ class Firmware {
   // known before their deadlines are judged, and a strobe that the emergency stop cut short is no fault of the strobe.
   void follow_pins() {
     const uint32_t now = now_ticks();
-    uint16_t stop_tick;
-    if (take_emergency_stop(stop_tick)) {
-      const uint32_t stop_ticks = ticks_of_count(stop_tick);
+    uint16_t pressed_at;
+    if (take_emergency_stop(pressed_at)) {
+      const uint32_t stop_ticks = ticks_of_count(pressed_at);
       follow_strobe(stop_ticks);
       sequencer().on_inputs(read_inputs() | protocol::kInputEmergencyStop, stop_ticks);
       release_player();
@@ -176,7 +176,7 @@ int main() {
   start_inputs();
   start_serial();
   static Firmware firmware;
-  wdt_enable(WDTO_250MS);
+  set_watchdog(kWatchdog250ms);
   SMCR = 0;  // sleep means idle: timers and serial line run on
   sei();
   while (true) firmware.turn();

@@ -3,10 +3,10 @@
 #include <avr/interrupt.h>
 #include <avr/io.h>
 #include <avr/pgmspace.h>
-#include <avr/wdt.h>
 
 #include "boot/flash_memory.hpp"
 #include "boot/handover.hpp"
+#include "watchdog.hpp"
 
 // The linker's mark behind the last byte of the program. Its address is what counts.
 extern "C" const char __data_load_end;
@@ -17,13 +17,17 @@ uint8_t cause __attribute__((section(".noinit")));
 }  // namespace
 
 // After a watchdog's reset the watchdog still runs, at its shortest time: it must be stopped before anything else.
-extern "C" void save_reset_cause() __attribute__((naked, used, section(".init3")));
-extern "C" void save_reset_cause() {
+extern "C" void beltpick_save_reset_cause() __attribute__((used, externally_visible));
+extern "C" void beltpick_save_reset_cause() {
   cause = MCUSR;
   if (cause == 0) cause = beltpick::boot::saved_reset_cause();
   MCUSR = 0;
-  wdt_disable();
+  beltpick::avr::set_watchdog(beltpick::avr::kWatchdogOff);
 }
+
+// Part of the start-up code, which the linker joins from such sections: it falls through to the next.
+extern "C" void beltpick_before_memory() __attribute__((naked, used, externally_visible, section(".init3")));
+extern "C" void beltpick_before_memory() { __asm__ volatile("call beltpick_save_reset_cause"); }
 
 namespace beltpick {
 namespace avr {
@@ -49,7 +53,7 @@ protocol::FlashState flash_state() {
 void enter_loader() {
   cli();
   boot::loader_wish() = boot::kLoaderWish;
-  wdt_enable(WDTO_15MS);
+  set_watchdog(kWatchdog15ms);
   while (true) {
   }
 }
