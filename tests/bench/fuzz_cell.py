@@ -11,32 +11,12 @@ import threading
 import time
 
 from api_client import Client
+from daemon_config import cell_config
 from free_places import free_port
 from modbus_plc import Plc
 
 START, END, CLEAR = 1, 5, 6
 IDLE, OFFERING, RELEASED, FAULT = 1, 5, 6, 7
-CONFIG = """[camera]
-id = "{camera}"
-[trigger]
-tty = "{run}/trigger"
-strobe_tolerance_us = 2000
-[model]
-calibration = "{cell}/calibration.json"
-cell = "{cell}/cell.json"
-recipes = ["{cell}/recipe.json"]
-[plc]
-address = "127.0.0.1"
-port = {plc}
-timeout_ms = 60000
-[service]
-state = "{run}/state"
-port = {service}
-requests_per_minute = 10000000
-[limits]
-image_width = 640
-image_height = 480
-"""
 
 
 class Handover:
@@ -95,7 +75,9 @@ class LiveCell:
         self.run, self.plc_port, self.service_port = run, free_port(), free_port()
         self.handover = Handover(self.plc_port)
         camera = f"127.{60 + os.getpid() % 60}.{os.getpid() // 60 % 250}.9"
-        config = CONFIG.format(camera=camera, run=run, cell=cell, plc=self.plc_port, service=self.service_port)
+        config = cell_config(
+            cell, run, camera, self.plc_port, trigger={"strobe_tolerance_us": 2000}, plc={"timeout_ms": 60000},
+            service={"state": run / "state", "port": self.service_port, "requests_per_minute": 10_000_000})
         (run / "beltpickd.toml").write_text(config)
         self.world = subprocess.Popen(
             [bin_folder / "beltpick", "simulate", "--live", "--rig", cell / "rig.toml", "--part", "knuckle", "--parts", "3",

@@ -1,10 +1,14 @@
 // Fixed-seed damage to good files and messages, for parsers to survive.
 #pragma once
 
+#include <catch2/catch.hpp>
+#include <functional>
 #include <string>
 #include <string_view>
 
 #include "base/random.hpp"
+#include "base/result.hpp"
+#include "support/one_line.hpp"
 
 namespace beltpick::test {
 
@@ -37,6 +41,30 @@ inline std::string mutate(std::string bytes, Random& random) {
     }
   }
   return bytes;
+}
+
+// Damages what `parse` takes so many times: each is taken or refused in one line. Returns how many were refused.
+inline int torture(const std::string& good, const std::function<Result<void>(const std::string&)>& parse, int mutations,
+                   std::uint64_t seed) {
+  const auto whole = parse(good);
+  INFO((whole ? "" : whole.error().detail));
+  REQUIRE(whole);
+  Random random(seed);
+  int refused = 0;
+  for (int i = 0; i < mutations; ++i) {
+    const Result<void> done = parse(mutate(good, random));
+    if (done) continue;
+    ++refused;
+    if (!is_one_line(done.error())) FAIL("not one line: " << done.error().text());
+  }
+  return refused;
+}
+
+// A result without what it holds.
+template <class T>
+Result<void> outcome(const Result<T>& result) {
+  if (!result) return std::unexpected(result.error());
+  return {};
 }
 
 }  // namespace beltpick::test

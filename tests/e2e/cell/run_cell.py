@@ -17,6 +17,7 @@ import sys
 import time
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "support" / "python"))
+from daemon_config import cell_config  # noqa: E402
 from free_places import free_camera_address, free_port  # noqa: E402
 
 # A quarter of the product's pixels: the same job in a fraction of the time.
@@ -27,25 +28,6 @@ RECIPE = {
     "format": "beltpick-recipe", "version": 1, "number": 1, "name": "knuckles", "sequence": "sequence.json",
     "exposure_us": 8000, "settle_us": 1000, "period_us": 25000, "templates": ["knuckle.template"],
 }
-CONFIG = """[camera]
-id = "{camera}"
-[trigger]
-tty = "{run}/trigger"
-strobe_tolerance_us = 2000
-[model]
-calibration = "{cell}/calibration.json"
-cell = "{cell}/cell.json"
-recipes = ["{cell}/recipe.json"]
-[plc]
-address = "127.0.0.1"
-port = {port}
-timeout_ms = 1500
-[limits]
-image_width = 640
-image_height = 480
-[record]
-summary = "{run}/summary.json"
-"""
 
 
 def setup(bin_folder, cell):
@@ -81,7 +63,9 @@ def run_cell(bin_folder, cell, options):
     shutil.rmtree(run, ignore_errors=True)
     run.mkdir(parents=True)
     camera, port = free_camera_address(8), free_port()
-    (run / "beltpickd.toml").write_text(CONFIG.format(camera=camera, run=run, cell=cell, port=port))
+    (run / "beltpickd.toml").write_text(cell_config(
+        cell, run, camera, port, trigger={"strobe_tolerance_us": 2000}, plc={"timeout_ms": 1500},
+        record={"summary": run / "summary.json"}))
     world_command = [bin_folder / "beltpick", "simulate", "--live", "--rig", cell / "rig.toml", "--part", "knuckle",
                      "--parts", options.parts, "--seed", options.seed, "--sequence", cell / "sequence.json",
                      "--plc", f"127.0.0.1:{port}", "--camera-address", camera, "--trigger", run / "trigger",

@@ -12,29 +12,13 @@ import sys
 import time
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "support" / "python"))
+from daemon_config import cell_config  # noqa: E402
 from free_places import free_port  # noqa: E402
 from modbus_plc import Plc, expect  # noqa: E402
 
 START, END, CLEAR = 1, 5, 6
 CAPTURING, RELEASED = 3, 6
 RESTARTED, TEMPLATE_TOO_LARGE = 121, 25
-CONFIG = """[camera]
-id = "{camera}"
-[trigger]
-tty = "{run}/trigger"
-strobe_tolerance_us = 2000
-[model]
-calibration = "{cell}/calibration.json"
-cell = "{cell}/cell.json"
-recipes = ["{cell}/recipe.json"]
-[plc]
-address = "127.0.0.1"
-port = {port}
-[limits]
-image_width = 640
-image_height = 480
-template_points = {points}
-"""
 
 
 class Bench:
@@ -54,7 +38,9 @@ class Bench:
 
     def config(self, points=40000):
         path = self.run / f"beltpickd-{points}.toml"
-        path.write_text(CONFIG.format(camera=self.camera, run=self.run, cell=self.cell, port=self.port, points=points))
+        path.write_text(cell_config(
+            self.cell, self.run, self.camera, self.port, trigger={"strobe_tolerance_us": 2000},
+            limits={"template_points": points}))
         return path
 
     def daemon(self, config):

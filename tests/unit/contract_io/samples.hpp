@@ -9,6 +9,7 @@
 #include "base/result.hpp"
 #include "contract_io/image_io.hpp"
 #include "support/capture_files.hpp"
+#include "support/one_line.hpp"
 
 namespace beltpick::test {
 
@@ -44,15 +45,5 @@ inline const char* const kCellJson = R"({
   "format": "beltpick-cell", "version": 1, "calibration_id": "c1",
   "belt_from_camera": [[1, 0, 0, 10], [0, -1, 0, 20], [0, 0, -1, 700], [0, 0, 0, 1]],
   "robot_from_camera": [[0, 1, 0, 1], [1, 0, 0, 2], [0, 0, -1, 3], [0, 0, 0, 1]]})";
-
-// One line that a person can act on.
-inline bool is_one_line(const Error& error) {
-  const std::string_view text = error.text();
-  return text.size() > 10 && text.find('\n') == std::string_view::npos;
-}
-
-inline bool mentions(const Error& error, std::string_view words) {
-  return error.text().find(words) != std::string_view::npos;
-}
 
 }  // namespace beltpick::test

@@ -22,25 +22,9 @@ namespace {
 constexpr int kMutations = 4000;
 constexpr int kZipMutations = 400;  // each is a file
 
-// Returns how many mutations were refused.
 int torture(const std::string& good, const std::function<Result<void>(const std::string&)>& parse,
             int mutations = kMutations) {
-  Random random(20240717);
-  int refused = 0;
-  REQUIRE(parse(good));
-  for (int i = 0; i < mutations; ++i) {
-    const Result<void> done = parse(mutate(good, random));
-    if (done) continue;
-    ++refused;
-    if (!is_one_line(done.error())) FAIL("not one line: " << done.error().text());
-  }
-  return refused;
-}
-
-template <class T>
-Result<void> outcome(const Result<T>& result) {
-  if (!result) return std::unexpected(result.error());
-  return {};
+  return test::torture(good, parse, mutations, 20240717);
 }
 
 }  // namespace

@@ -61,24 +61,7 @@ std::string sealed(const std::string& first_line, const std::string& rest, std::
 }
 
 int refused_of(const std::string& good, const std::function<Result<void>(const std::string&)>& parse) {
-  Random random(kSeed);
-  const auto whole = parse(good);
-  INFO((whole ? "" : whole.error().detail));
-  REQUIRE(whole);
-  int refused = 0;
-  for (int i = 0; i < kOfEach; ++i) {
-    const Result<void> done = parse(mutate(good, random));
-    if (done) continue;
-    ++refused;
-    if (!is_one_line(done.error())) FAIL("not one line: " << done.error().text());
-  }
-  return refused;
-}
-
-template <class T>
-Result<void> outcome(const Result<T>& result) {
-  if (!result) return std::unexpected(result.error());
-  return {};
+  return torture(good, parse, kOfEach, kSeed);
 }
 
 }  // namespace
