@@ -48,7 +48,7 @@ Result<void> CellLines::open(Gpio& gpio) {
     const auto level = input.line->read();
     if (!level) return std::unexpected(level.error());
     const std::int64_t hold_us = input.debounced ? config_.debounce_ms * std::int64_t{1000} : 0;
-    input.level = Debounce(input.safe_level, hold_us, *level, monotonic_us());
+    input.level = Debounce(input.safe_level, hold_us, *level);
   }
   if (const auto taken = request_wired(gpio, config_.start, LineUse::kOutput, "start", start_); !taken) return taken;
   const auto taken = request_wired(gpio, config_.belt_may_move, LineUse::kOutput, "belt_may_move", permission_);

@@ -2,11 +2,6 @@
 
 namespace beltpick::capture {
 
-Debounce::Debounce(bool safe_level, std::int64_t hold_us, bool active, std::int64_t now_us)
-    : safe_(safe_level), raw_(active), active_(safe_level), hold_us_(hold_us), since_us_(now_us) {
-  advance(now_us);
-}
-
 void Debounce::edge(bool active, std::int64_t at_us) {
   advance(at_us);
   if (active == raw_) return;

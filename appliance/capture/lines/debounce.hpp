@@ -10,8 +10,9 @@ namespace beltpick::capture {
 class Debounce {
  public:
   Debounce() = default;
-  // At start the line counts as safe, and `active`, its level, as just taken.
-  Debounce(bool safe_level, std::int64_t hold_us, bool active, std::int64_t now_us);
+  // `active`: the line's level at start, which counts.
+  Debounce(bool safe_level, std::int64_t hold_us, bool active)
+      : safe_(safe_level), raw_(active), active_(active), hold_us_(hold_us) {}
 
   // The line took this level at that time; the level that it has already changes nothing.
   void edge(bool active, std::int64_t at_us);

@@ -62,7 +62,9 @@ Result<void> LineTrigger::open(Gpio& gpio) {
   if (!taken) return taken;
   const auto level = strobe_->read();
   if (!level) return std::unexpected(level.error());
-  sequencer_.on_strobe(*level, board_ticks(monotonic_us()));
+  const std::uint32_t now_ticks = board_ticks(monotonic_us());
+  sequencer_.on_strobe(*level, now_ticks);
+  sequencer_.on_inputs(input_bits(interlocks_.inputs()), now_ticks);
   opened_ = true;
   return {};
 }
@@ -90,6 +92,15 @@ std::uint8_t LineTrigger::input_bits(const CellInputs& inputs) {
   if (inputs.belt_stopped) bits |= protocol::kInputBeltStopped;
   if (inputs.emergency_stop) bits |= protocol::kInputEmergencyStop;
   return static_cast<std::uint8_t>(bits);
+}
+
+std::optional<protocol::Identity> LineTrigger::identity() const {
+  const core::BoardTiming timing = timing_of_a_pc();
+  protocol::Identity identity;
+  identity.tick_ns = core::kTick_ns;
+  identity.min_exposure_us = timing.min_exposure_us;
+  identity.min_period_us = timing.min_period_us;
+  return identity;
 }
 
 protocol::StatusReport LineTrigger::status() const {

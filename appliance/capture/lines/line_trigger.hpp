@@ -44,7 +44,8 @@ class LineTrigger : public TriggerSource {
   [[nodiscard]] Error last_error() const override;
   [[nodiscard]] bool tried() const override { return true; }
   [[nodiscard]] TriggerInputs inputs() const override;
-  [[nodiscard]] std::optional<protocol::Identity> identity() const override { return std::nullopt; }
+  // What it can do; there is no firmware whose version it could tell.
+  [[nodiscard]] std::optional<protocol::Identity> identity() const override;
   [[nodiscard]] protocol::StatusReport status() const override;
   Result<void> refresh_status() override;
   Result<std::uint16_t> arm(protocol::Arm sequence) override;
