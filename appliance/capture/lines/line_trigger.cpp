@@ -215,10 +215,12 @@ void LineTrigger::serve_until(std::uint32_t now_ticks) {
   while (sequencer_.next_deadline(due_ticks) && static_cast<std::int32_t>(now_ticks - due_ticks) >= 0) serve(due_ticks);
 }
 
-// One deadline, at its own time; where it is an edge and late, the clock is set back by that.
+// One deadline, at its own time; where it is an edge, its lateness is what the clock says once the line is written. A
+// late rise sets the board's clock back, so that all that follows moves with it.
 void LineTrigger::serve(std::uint32_t at_ticks) {
   const core::Outputs before = sequencer_.outputs();
   sequencer_.on_time(at_ticks);
+  drive();
   const core::Outputs now = sequencer_.outputs();
   if (now.camera == before.camera && now.projector == before.projector) return;
   const std::int32_t late_us = us_of(static_cast<std::int32_t>(board_ticks(monotonic_us()) - at_ticks));
@@ -226,7 +228,6 @@ void LineTrigger::serve(std::uint32_t at_ticks) {
   if (late_us > config_.late_limit_us) sequencer_.on_late_edge();
   const bool rises = (now.camera && !before.camera) || (now.projector && !before.projector);
   if (rises) clock_zero_us_ += late_us;
-  drive();
 }
 
 // BUSY rises before and falls after the pulses it encloses.
