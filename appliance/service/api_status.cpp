@@ -72,9 +72,8 @@ ApiReply Api::list_result_codes() {
 
 ApiReply Api::self_test() {
   const std::lock_guard lock(self_test_mutex_);
-  if (!self_test_) return json_reply({{"time", nullptr}, {"worst", nullptr}, {"checks", Json::array()}});
   ApiReply reply;
-  reply.body = self_test_json(*self_test_);
+  reply.body = self_test_ ? self_test_json(*self_test_) : self_test_json_before_any();
   return reply;
 }
 

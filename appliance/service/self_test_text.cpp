@@ -17,15 +17,24 @@ std::string padded(std::string_view text, std::size_t width) {
   return out;
 }
 
-}  // namespace
-
-std::string self_test_json(const SelfTestReport& report) {
+contract_io::Json empty_report() {
   contract_io::Json json;
   json["format"] = "beltpick-self-test";
   json["version"] = 1;
+  json["time"] = nullptr;
+  json["worst"] = nullptr;
+  json["checks"] = contract_io::Json::array();
+  return json;
+}
+
+}  // namespace
+
+std::string self_test_json_before_any() { return contract_io::json_text(empty_report()); }
+
+std::string self_test_json(const SelfTestReport& report) {
+  contract_io::Json json = empty_report();
   json["time"] = report.time_utc;
   json["worst"] = std::string(verdict_name(report.worst()));
-  json["checks"] = contract_io::Json::array();
   for (const Check& check : report.checks) {
     contract_io::Json entry;
     entry["name"] = check.name;

@@ -53,6 +53,9 @@ def round_trip(server, bench):
     expect("undone", client.ask("POST", KNUCKLE + "/rollback").status, 201)
     expect("upload of needed", client.ask("PUT", "/items/template/needed", first).status, 201)
     expect("removal of needed", client.ask("DELETE", "/items/template/needed").status, 409)
+    none = client.ask("GET", "/self-test").json()
+    expect("self-test before any", none, {"format": "beltpick-self-test", "version": 1, "time": None, "worst": None,
+                                          "checks": []})
     expect("self-test", client.ask("POST", "/self-test").json()["worst"], "warning")
     refused = client.ask("PUT", "/items/calibration/calibration", b"no json")
     expect("a bad upload", (refused.status, refused.json()["name"]), (422, "FORMAT_INVALID"))
