@@ -1,6 +1,7 @@
 # Compiler settings that hold for every target of the project.
 option(BELTPICK_TESTS "Build the tests and benches" ON)
 option(BELTPICK_FIRMWARE "Cross-compile the trigger firmware with avr-gcc" OFF)
+option(BELTPICK_FUZZ "Build the fuzz targets with libFuzzer (clang)" OFF)
 set(BELTPICK_SANITIZE "" CACHE STRING "Sanitizers to build with, as for -fsanitize=")
 
 set(CMAKE_CXX_STANDARD 23)
@@ -28,6 +29,8 @@ target_compile_options(beltpick_warnings INTERFACE -Wall -Wextra -Wpedantic -Wsh
 if(BELTPICK_SANITIZE)
   add_compile_options(-fsanitize=${BELTPICK_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=undefined)
   add_link_options(-fsanitize=${BELTPICK_SANITIZE})
-  # GCC 12 reports false positives for these once sanitizer code is in the way.
-  add_compile_options(-Wno-error=maybe-uninitialized -Wno-error=stringop-overflow -Wno-error=array-bounds)
+  if(CMAKE_CXX_COMPILER_ID STREQUAL GNU)
+    # GCC 12 reports false positives for these once sanitizer code is in the way.
+    add_compile_options(-Wno-error=maybe-uninitialized -Wno-error=stringop-overflow -Wno-error=array-bounds)
+  endif()
 endif()

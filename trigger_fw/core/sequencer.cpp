@@ -138,7 +138,9 @@ void Sequencer::finish(uint32_t at_ticks) {
   state_ = State::kDone;
   outputs_ = Outputs();
   outputs_.done = true;
-  duration_ticks_ = at_ticks - start_ticks_;
+  done_event_.arm_id = plan_.arm_id;
+  done_event_.frames = frames_done_;
+  done_event_.duration_ticks = at_ticks - start_ticks_;
   done_pending_ = true;
 }
 
@@ -209,6 +211,9 @@ void Sequencer::raise(Fault fault) {
   state_ = State::kFault;
   outputs_ = Outputs();
   outputs_.fault = true;
+  fault_event_.fault = fault;
+  fault_event_.frame = fault_frame_;
+  fault_event_.arm_id = plan_.arm_id;
   fault_pending_ = true;
 }
 
@@ -236,18 +241,14 @@ bool Sequencer::take(protocol::FrameEvent& event) {
 bool Sequencer::take(protocol::DoneEvent& event) {
   if (!done_pending_) return false;
   done_pending_ = false;
-  event.arm_id = plan_.arm_id;
-  event.frames = frames_done_;
-  event.duration_ticks = duration_ticks_;
+  event = done_event_;
   return true;
 }
 
 bool Sequencer::take(protocol::FaultEvent& event) {
   if (!fault_pending_) return false;
   fault_pending_ = false;
-  event.fault = fault_;
-  event.frame = fault_frame_;
-  event.arm_id = plan_.arm_id;
+  event = fault_event_;
   return true;
 }
 

@@ -100,7 +100,8 @@ class Sequencer {
   protocol::FrameEvent frames_[kFrameQueue];
   uint8_t frames_head_ = 0;
   uint8_t frames_count_ = 0;
-  uint32_t duration_ticks_ = 0;
+  protocol::DoneEvent done_event_;    // as it was: the line may tell of it only after the next request
+  protocol::FaultEvent fault_event_;  // likewise
   bool done_pending_ = false;
   bool fault_pending_ = false;
   bool inputs_pending_ = false;

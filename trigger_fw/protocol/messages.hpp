@@ -268,7 +268,7 @@ constexpr size_t kMaxOutgoingFrame = 36;
 // Writes the whole frame of a message to `out`; the number of bytes, 0 when it does not fit.
 template <class Payload>
 size_t encode(Type type, uint8_t sequence, const Payload& payload, uint8_t* out, size_t capacity) {
-  uint8_t message[kMaxMessage];
+  uint8_t message[kHeaderBytes + sizeof(Payload)];  // no field is longer on the wire than in memory
   Writer writer(message, sizeof message);
   Header header;
   header.type = type;

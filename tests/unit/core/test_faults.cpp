@@ -186,6 +186,17 @@ TEST_CASE("an edge that the board's timer missed is a fault while a sequence run
   check_fault(bench, Fault::kTimerLate, 2);
 }
 
+TEST_CASE("a fault that is cleared before the line could tell it is told as it was", "[faults]") {
+  Bench bench = third_frame();
+  bench.inputs(kMoves);
+  CHECK(bench.sequencer.clear() == Refusal::kNone);
+  const auto events = bench.events<protocol::FaultEvent>();
+  REQUIRE(events.size() == 1);
+  CHECK(events[0].fault == Fault::kBeltMoved);
+  CHECK(events[0].frame == 2);
+  CHECK(events[0].arm_id == 1);
+}
+
 TEST_CASE("the first fault stays", "[faults]") {
   Bench bench = third_frame();
   bench.inputs(kMoves);

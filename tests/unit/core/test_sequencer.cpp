@@ -152,6 +152,17 @@ TEST_CASE("ABORT makes the outputs safe and disarms, in every state", "[sequence
   CHECK(bench.safe());
 }
 
+TEST_CASE("a DONE that the line could not tell before the next ARM is that of its own sequence", "[sequencer]") {
+  Bench bench;
+  bench.arm_and_start(sequence(1, 1));
+  bench.run_for(20000);
+  REQUIRE(bench.sequencer.arm(sequence(2, 1)) == Refusal::kNone);
+  const auto events = bench.events<protocol::DoneEvent>();
+  REQUIRE(events.size() == 1);
+  CHECK(events[0].arm_id == 1);
+  CHECK(events[0].frames == 1);
+}
+
 TEST_CASE("DONE stays until the next ARM", "[sequencer]") {
   Bench bench;
   bench.arm_and_start(sequence(1, 1));
