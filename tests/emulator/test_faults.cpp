@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <cstdio>
 
-#include "base/random.hpp"
 #include "emulator/rig.hpp"
 
 using namespace emulator;
@@ -77,75 +76,6 @@ TEST_CASE("a belt that moves ends the sequence", "[emulator]") {
   check_fault(rig, Fault::kBeltMoved, 1);
   rig.chip.set_pin(In::kBeltStopped, false);
   check_way_out(rig, 2);
-}
-
-namespace {
-
-// Starts two frames of 1.5 ms, presses the emergency stop this long behind BUSY's rise, for 30 cycles or for good, and
-// checks the pins, the fault and the way out. The cycles until the outputs were low, 0 where they were before.
-std::uint64_t press_behind_start(Rig& rig, std::uint16_t arm_id, std::uint64_t delay, bool shortly) {
-  auto arm = sequence(arm_id, 2);
-  arm.groups[0] = {2, 300, 700, 1500, 700};
-  rig.arm_and_start(arm);
-  rig.post(Type::kStatus, protocol::Empty());
-  const auto busy =
-      std::find_if(rig.edges.begin(), rig.edges.end(), [](const PinEdge& e) { return e.pin == Out::kBusy && e.level; });
-  REQUIRE(busy != rig.edges.end());
-  const std::uint64_t at = std::max(busy->cycle + delay, rig.chip.cycle() + 1);
-  rig.chip.at(at, [&rig] { rig.chip.set_pin(In::kEmergencyStop, true); });
-  if (shortly) rig.chip.at(at + 30, [&rig] { rig.chip.set_pin(In::kEmergencyStop, false); });
-  rig.chip.run_until(at);
-  const std::size_t edges_before = rig.edges.size();
-  rig.run_us(10);
-  CHECK(rig.safe());
-  std::uint64_t latest = 0;
-  for (std::size_t i = edges_before; i < rig.edges.size(); ++i) {
-    const bool watched = rig.edges[i].pin != Out::kFault && rig.edges[i].pin != Out::kDone;
-    if (watched && !rig.edges[i].level) latest = std::max(latest, rig.edges[i].cycle - at);
-  }
-  const std::size_t edges_after = rig.edges.size();
-  rig.run_us(4000);
-  for (std::size_t i = edges_after; i < rig.edges.size(); ++i) {
-    if (rig.edges[i].pin == Out::kFault || rig.edges[i].pin == Out::kDone) continue;
-    CHECK_FALSE(rig.edges[i].level);
-  }
-  CHECK(rig.status().fault == Fault::kEmergencyStop);
-  if (!shortly) CHECK(rig.request(Type::kClear, protocol::Empty()) == Refusal::kEmergencyStopPressed);
-  rig.chip.set_pin(In::kEmergencyStop, false);
-  rig.run_us(2000);
-  rig.chip.set_pin(In::kStrobe, false);
-  REQUIRE(rig.request(Type::kClear, protocol::Empty()) == Refusal::kNone);
-  rig.messages.clear();
-  return latest;
-}
-
-constexpr std::uint64_t kStopSpan = 4500 * kCyclesPerUs;  // from before the first edge to behind the last one
-constexpr std::uint64_t kStopLimit = 10 * kCyclesPerUs;
-
-}  // namespace
-
-TEST_CASE("emergency stop at random instants: outputs low within 10 us, and no further pulse", "[emulator]") {
-  Rig rig(GENERATE(Mcu::kAtmega2560, Mcu::kAtmega328p));
-  beltpick::Random random(11);
-  std::uint64_t worst = 0;
-  for (std::uint16_t round = 1; round <= 1000; ++round) {
-    worst = std::max(worst, press_behind_start(rig, round, random.below(kStopSpan), round % 2 == 0));
-  }
-  std::printf("emergency stop: outputs low after at most %llu cycles\n", static_cast<unsigned long long>(worst));
-  CHECK(worst <= kStopLimit);
-}
-
-// Minutes: by hand, `test_emulator "[every-cycle]"`.
-TEST_CASE("emergency stop in every cycle of a sequence: outputs low within 10 us", "[.][every-cycle]") {
-  Rig rig(GENERATE(Mcu::kAtmega2560, Mcu::kAtmega328p));
-  std::uint64_t worst = 0;
-  std::uint16_t arm_id = 0;
-  for (std::uint64_t delay = 900 * kCyclesPerUs; delay < 4000 * kCyclesPerUs; ++delay) {
-    worst = std::max(worst, press_behind_start(rig, ++arm_id, delay, false));
-  }
-  std::printf("emergency stop in each of %u cycles: outputs low after at most %llu cycles\n", unsigned{arm_id},
-              static_cast<unsigned long long>(worst));
-  CHECK(worst <= kStopLimit);
 }
 
 TEST_CASE("a host that falls silent ends the sequence", "[emulator]") {
