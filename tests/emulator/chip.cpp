@@ -235,6 +235,11 @@ void Chip::reset_by_pin() {
   avr_regbit_set(avr_, avr_->reset_flags.extrf);
 }
 
+void Chip::brown_out() {
+  avr_reset(avr_);
+  avr_regbit_set(avr_, avr_->reset_flags.borf);
+}
+
 void Chip::power_cycle(std::uint32_t seed) {
   to_send_.clear();
   received_.clear();

@@ -63,6 +63,8 @@ class Chip {
   [[nodiscard]] int resets() const { return resets_; }
   // The reset pin falls and rises, as a serial line's DTR makes it.
   void reset_by_pin();
+  // The supply falls below the brown-out's threshold and comes back: a reset, the RAM as it was.
+  void brown_out();
   // The power goes and comes: the flash keeps what it has, the RAM holds chance (of this seed), the line nothing.
   void power_cycle(std::uint32_t seed);
   // CRC-16 over the program as it was loaded.

@@ -5,18 +5,17 @@
 
 namespace emulator {
 
-namespace {
-
-// Of the build, or what another compiler made of the same source.
-std::string firmware(Mcu mcu) {
+std::string firmware_file(Mcu mcu, const char* ending) {
   const char* folder = std::getenv("BELTPICK_FIRMWARE_DIR");
   return std::string(folder != nullptr ? folder : BELTPICK_FIRMWARE_DIR) +
-         (mcu == Mcu::kAtmega2560 ? "/trigger_atmega2560.elf" : "/trigger_atmega328p.elf");
+         (mcu == Mcu::kAtmega2560 ? "/trigger_atmega2560" : "/trigger_atmega328p") + ending;
 }
 
-}  // namespace
+Rig::Rig(Mcu mcu) : chip(mcu, firmware_file(mcu, ".elf")) { connect(); }
 
-Rig::Rig(Mcu mcu) : chip(mcu, firmware(mcu)) {
+Rig::Rig(Mcu mcu, const beltpick::boot::FlashImage& flash) : chip(mcu, flash) { connect(); }
+
+void Rig::connect() {
   chip.on_edge = [this](const PinEdge& edge) { on_edge(edge); };
 }
 

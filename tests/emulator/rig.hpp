@@ -22,6 +22,9 @@ inline protocol::Arm sequence(std::uint16_t arm_id, std::uint16_t frames) {
   return arm;
 }
 
+// The firmware of the build, or of the folder that BELTPICK_FIRMWARE_DIR names: what another compiler made of it.
+std::string firmware_file(Mcu mcu, const char* ending);
+
 struct Message {
   protocol::Header header;
   std::vector<std::uint8_t> bytes;
@@ -36,7 +39,9 @@ struct Message {
 
 class Rig {
  public:
+  // With the firmware of the build.
   explicit Rig(Mcu mcu);
+  Rig(Mcu mcu, const beltpick::boot::FlashImage& flash);
 
   Chip chip;
   std::vector<PinEdge> edges;
@@ -90,6 +95,7 @@ class Rig {
   bool safe() const { return !chip.level(Out::kCamera) && !chip.level(Out::kProjector) && !chip.level(Out::kBusy); }
 
  private:
+  void connect();
   void on_edge(const PinEdge& edge);
 
   protocol::FrameDecoder decoder_;

@@ -39,24 +39,6 @@ void load_line(Rig& rig, beltpick::Random& random, int milliseconds) {
 
 }  // namespace
 
-TEST_CASE("the firmware identifies itself, its board and its flash", "[emulator][edges]") {
-  const Mcu mcu = GENERATE(Mcu::kAtmega2560, Mcu::kAtmega328p);
-  Rig rig(mcu);
-  const auto identity = rig.ask(Type::kIdentify, protocol::Empty()).as<protocol::Identity>();
-  CHECK(identity.board ==
-        (mcu == Mcu::kAtmega2560 ? protocol::BoardKind::kAtmega2560 : protocol::BoardKind::kAtmega328p));
-  CHECK(identity.tick_ns == 500);
-  CHECK(identity.min_exposure_us == 50);
-  CHECK(identity.max_exposure_us == protocol::kMaxExposure_us);
-  CHECK(identity.min_period_us == 500);
-  CHECK(identity.max_period_us == protocol::kMaxPeriod_us);
-  CHECK(identity.min_interval_us == 50);
-  CHECK(identity.reset_cause == protocol::kResetPowerOn);
-  CHECK(identity.flash_state == protocol::FlashState::kUnsealed);
-  CHECK(identity.flash_crc == rig.chip.flash_crc());
-  CHECK(rig.safe());
-}
-
 TEST_CASE("every edge of a 22-frame sequence comes at its cycle, and every strobe is measured", "[emulator][edges]") {
   Rig rig(GENERATE(Mcu::kAtmega2560, Mcu::kAtmega328p));
   const auto arm = sequence(7, 22);

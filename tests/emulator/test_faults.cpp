@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cstdio>
 
+#include "base/random.hpp"
 #include "emulator/rig.hpp"
 
 using namespace emulator;
@@ -57,6 +58,28 @@ TEST_CASE("a strobe line that sticks high faults as too long", "[emulator]") {
   check_fault(rig, Fault::kStrobeTooLong, 0);
   rig.strobe_fall_delay = 25 * kCyclesPerUs;
   check_way_out(rig, 2);
+}
+
+TEST_CASE("a glitch of the strobe line, however short, leaves no state behind", "[emulator]") {
+  Rig rig(GENERATE(Mcu::kAtmega2560, Mcu::kAtmega328p));
+  beltpick::Random random(5);
+  std::uint16_t arm_id = 0;
+  for (std::uint64_t length = 1; length <= 160; ++length) {
+    for (int phase = 0; phase < 3; ++phase) {
+      const std::uint64_t rise = rig.chip.cycle() + 100 + random.below(400);
+      rig.post(Type::kKeepalive, protocol::Empty());
+      rig.chip.at(rise, [&rig] { rig.chip.set_pin(In::kStrobe, true); });
+      rig.chip.at(rise + length, [&rig] { rig.chip.set_pin(In::kStrobe, false); });
+      rig.run_us(2000);
+      auto arm = sequence(++arm_id, 1);
+      arm.groups[0] = {1, 100, 50, 500, 20, 0};
+      REQUIRE(rig.request(Type::kArm, arm) == Refusal::kNone);
+      INFO("a glitch of " << length << " cycles");
+      REQUIRE(rig.request(Type::kStart, protocol::Start{arm_id}) == Refusal::kNone);
+      rig.run_us(2000);
+      REQUIRE(rig.status().state == State::kDone);
+    }
+  }
 }
 
 TEST_CASE("a belt that moves ends the sequence", "[emulator]") {
