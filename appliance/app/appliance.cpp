@@ -28,19 +28,6 @@ constexpr int kStopApi_ms = 300;
 constexpr int kThreadLimit_ms = 2000;
 constexpr int kExitHung = 3;
 
-// The microcontroller's interlock inputs.
-class TriggerLines : public DigitalLines {
- public:
-  explicit TriggerLines(const capture::TriggerSource& trigger) : trigger_(trigger) {}
-  LineLevels read() override {
-    const capture::TriggerInputs inputs = trigger_.inputs();
-    return {inputs.known, inputs.belt_stopped, inputs.emergency_stop};
-  }
-
- private:
-  const capture::TriggerSource& trigger_;
-};
-
 cycle::CycleConfig cycle_config(const Settings& settings) {
   cycle::CycleConfig config;
   config.rest = {settings.settle_ms * 1000LL, settings.signals_agree_ms * 1000LL};
@@ -59,12 +46,6 @@ capture::CameraConfig camera_config(const Settings& settings) {
   config.height = settings.limits.image_height;
   config.buffers = settings.camera_buffers;
   config.packet_socket = settings.packet_socket;
-  return config;
-}
-
-capture::TriggerConfig trigger_config(const Settings& settings) {
-  capture::TriggerConfig config;
-  config.tty = settings.trigger_tty;
   return config;
 }
 
@@ -87,9 +68,9 @@ sigset_t handled_signals() {
 Stages::Stages(Arena& arena, const Settings& settings, Log& log, RunBook& book)
     : hub(arena, settings, log),
       camera(camera_config(settings), arena),
-      trigger(trigger_config(settings)),
+      wiring(settings),
       recorder(arena, settings, log),
-      work(arena, settings, {camera, trigger, hub, recorder, book, refused}) {
+      work(arena, settings, {camera, wiring.trigger(), hub, recorder, book, refused}) {
   hub.on_load([this](const Geometry& geometry, LoadedRecipe& recipe) { return work.adopt(geometry, recipe); });
 }
 
@@ -98,10 +79,9 @@ struct Appliance::Threads {
   Threads(Appliance& of, std::unique_ptr<plc::ModbusServer> modbus_server, plc::PlcExchange& plc_exchange)
       : exchange(plc_exchange),
         server(std::move(modbus_server)),
-        lines(of.stages_->trigger),
         vision(of.stages_->work, of.log_, watchdog.add("vision", longest_job_ms(of.settings_), monotonic_us())),
         controller(cycle_config(of.settings_), of.settings_.plc_timeout_ms * 1000LL,
-                   {vision, lines, of.stages_->hub, exchange, of.log_, *of.book_, of.stages_->refused}) {}
+                   {vision, of.stages_->wiring, of.stages_->hub, exchange, of.log_, *of.book_, of.stages_->refused}) {}
 
   template <class Step>
   std::thread loop(const char* name, RealtimePriority priority, Step step) {
@@ -120,7 +100,6 @@ struct Appliance::Threads {
   plc::PlcExchange& exchange;
   std::unique_ptr<plc::ModbusServer> server;
   Watchdog watchdog;
-  TriggerLines lines;
   VisionThread vision;
   Controller controller;
   std::optional<ApplianceCellSide> cell_side;  // where there is a state folder
@@ -166,6 +145,15 @@ Result<void> Appliance::open_state(State state) {
   return {};
 }
 
+Result<void> Appliance::open_lines() {
+  if (const auto opened = stages_->wiring.open(); !opened) return opened;
+  const std::string lines = stages_->wiring.lines_text();
+  if (!lines.empty()) {
+    log_.write(LogLevel::kInfo, "lines, by libgpiod %s: %s", capture::gpio_library_version(), lines.c_str());
+  }
+  return {};
+}
+
 void Appliance::lock_memory() {
   memory_locked_ = block_.lock();
   if (memory_locked_) {
@@ -179,7 +167,7 @@ void Appliance::lock_memory() {
 SelfTestOf Appliance::self_test_of() const {
   return {.settings = settings_,
           .camera = stages_->camera,
-          .trigger = stages_->trigger,
+          .wiring = stages_->wiring,
           .hub = stages_->hub,
           .memory_locked = memory_locked_,
           .memory_bytes = static_cast<std::int64_t>(block_.bytes()),
@@ -189,7 +177,7 @@ SelfTestOf Appliance::self_test_of() const {
 
 service::SelfTestReport Appliance::self_test_alone() {
   memory_locked_ = block_.lock();
-  return service::judge(gather_facts_alone(self_test_of(), stages_->camera, stages_->trigger));
+  return service::judge(gather_facts_alone(self_test_of(), stages_->camera, stages_->wiring));
 }
 
 service::SelfTestReport Appliance::self_test_running(const Threads& threads) const {
@@ -208,7 +196,7 @@ ApplianceCellSide::Neighbours Appliance::cell_side_of(const Threads& threads) {
           .book = *book_,
           .plc = threads.exchange,
           .camera = stages_->camera,
-          .trigger = stages_->trigger,
+          .trigger = stages_->wiring.trigger(),
           .budget_bytes = block_.bytes(),
           .self_test = [this, &threads] { return self_test_running(threads); }};
 }
@@ -242,7 +230,7 @@ Result<int> Appliance::run() {
   const auto threads = std::make_unique<Threads>(*this, std::move(*server), exchange);
   if (kept_) threads->cell_side.emplace(settings_, cell_side_of(*threads));
   stages_->camera.start();
-  stages_->trigger.start();
+  stages_->wiring.start();
   threads->plc =
       threads->loop("plc", RealtimePriority::kPlc, [&server = *threads->server] { server.poll(kPlcStep_ms); });
   threads->cycle = threads->loop("cycle", RealtimePriority::kCycle, [&controller = threads->controller] {
@@ -318,6 +306,7 @@ void Appliance::stop(Threads& threads) {
   threads.stop = true;
   threads.cycle.join();
   threads.exchange.publish({});
+  stages_->wiring.permit_belt(false);
   threads.plc.join();
   threads.server.reset();
   if (!threads.vision.wait_stopped(kStop_ms)) {

@@ -18,7 +18,7 @@
 #include "app/settings.hpp"
 #include "app/vision_thread.hpp"
 #include "app/watchdog.hpp"
-#include "capture/trigger_link.hpp"
+#include "app/wiring.hpp"
 #include "plc/modbus_server.hpp"
 
 namespace beltpick::app {
@@ -29,7 +29,7 @@ struct Stages {
 
   ModelHub hub;
   capture::Camera camera;
-  capture::TriggerLink trigger;
+  Wiring wiring;
   Recorder recorder;
   RefusedGrasps refused;
   CaptureAndLocate work;
@@ -55,6 +55,9 @@ class Appliance {
   service::SelfTestReport self_test_alone();
   // False where opening the camera has not ended yet: then nothing can be taken down, the process has to end.
   [[nodiscard]] bool can_be_taken_down() const;
+
+  // Takes the digital lines of this PC that are configured. Errors: kLineNotFound, kLineInUse.
+  Result<void> open_lines();
 
   // What happened so far.
   [[nodiscard]] const RunBook& book() const { return *book_; }

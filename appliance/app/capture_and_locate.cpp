@@ -41,7 +41,7 @@ Result<void> CaptureAndLocate::adopt(const Geometry& geometry, LoadedRecipe& rec
 }
 
 ResultCode CaptureAndLocate::device_code() const {
-  if (!to_.trigger.connected()) return ResultCode::kTriggerLost;
+  if (!to_.trigger.connected()) return to_.trigger.last_error().code;
   if (to_.camera.state() == capture::CameraState::kReady) return ResultCode::kOk;
   const ResultCode code = to_.camera.last_error().code;
   return code == ResultCode::kOk ? ResultCode::kCameraNotFound : code;

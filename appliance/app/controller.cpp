@@ -61,6 +61,7 @@ void Controller::step(std::int64_t now_us) {
   const ResultCode code = answer ? answer->code : ResultCode::kOk;
   tell_changes(before, answered, code);
   for (const Action& action : actions.list()) carry_out(action);
+  to_.lines.permit_belt(cycle_.status().belt_may_move());
   to_.plc.publish(registers(now_us), answer);
   keep_books(before, answered, code);
 }
@@ -70,7 +71,7 @@ cycle::CycleInputs Controller::gather(std::int64_t now_us, const plc::PlcView& p
   cycle::CycleInputs in;
   in.now_us = now_us;
   in.device_code = to_.vision.device_code();
-  if (!lines.known && in.device_code == ResultCode::kOk) in.device_code = ResultCode::kTriggerLost;
+  if (!lines.known && in.device_code == ResultCode::kOk) in.device_code = lines.unknown_because;
   in.emergency_stop = lines.known && lines.emergency_stop;  // unknown lines are the lost device's fault, not a button's
   in.line_belt_stopped = lines.known && lines.belt_stopped;
   in.register_belt_stopped = plc.belt_stopped;

@@ -25,6 +25,7 @@ constexpr const char* kHelp =
     "  beltpickd --config FILE --self-test [--json]    test camera, trigger box, network, files and limits, exit\n"
     "  beltpickd --config FILE --new-one-time-token    write a token that enrols an engineer once into the state "
     "folder\n"
+    "  beltpickd --config FILE --outputs-off    make the digital outputs of this PC inactive, exit: after a crash\n"
     "  beltpickd --print-config           print the default configuration with every key's meaning\n"
     "  beltpickd --help\n"
     "\n"
@@ -39,6 +40,7 @@ struct Options {
   bool self_test = false;
   bool json = false;
   bool new_one_time_token = false;
+  bool outputs_off = false;
   bool print_config = false;
   bool help = false;
 };
@@ -59,6 +61,8 @@ std::optional<Options> parse(int argc, char** argv) {
       options.json = true;
     } else if (argument == "--new-one-time-token") {
       options.new_one_time_token = true;
+    } else if (argument == "--outputs-off") {
+      options.outputs_off = true;
     } else if (argument == "--print-config") {
       options.print_config = true;
     } else if (argument == "--help" || argument == "-h") {
@@ -104,12 +108,19 @@ int self_test(const app::Settings& settings, app::Log& log, bool json) {
   return code;
 }
 
+// A line that is taken is inactive; some chips keep a line's level when a process that held it dies.
+int outputs_off(const app::Settings& settings) {
+  const auto opened = app::Wiring(settings).open();
+  return opened ? 0 : fail(opened.error());
+}
+
 int serve(const Options& options, app::Log& log) {
   std::vector<std::string> warnings;
   const auto settings = app::read_settings(options.config, warnings);
   if (!settings) return fail(settings.error());
   if (options.self_test) return self_test(*settings, log, options.json);
   if (options.new_one_time_token) return make_one_time_token(*settings);
+  if (options.outputs_off) return outputs_off(*settings);
   for (const std::string& warning : warnings) log.write(app::LogLevel::kWarning, "%s", warning.c_str());
 
   app::Appliance appliance(*settings, log);
@@ -124,6 +135,7 @@ int serve(const Options& options, app::Log& log) {
     std::puts("the configuration and all files are good");
     return 0;
   }
+  if (const auto opened = appliance.open_lines(); !opened) return fail(opened.error());
   const auto ended = appliance.run();
   return ended ? *ended : fail(ended.error());
 }

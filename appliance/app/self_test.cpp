@@ -4,6 +4,7 @@
 #include <ctime>
 #include <thread>
 
+#include "app/line_settings.hpp"
 #include "app/model_hub.hpp"
 #include "base/clock.hpp"
 #include "base/utc.hpp"
@@ -60,15 +61,17 @@ const char* board_name(protocol::BoardKind board) {
 }
 
 service::TriggerFound trigger_found(const SelfTestOf& of) {
+  const capture::TriggerSource& trigger = of.wiring.trigger();
   service::TriggerFound found;
   found.tty = of.settings.trigger_tty;
-  if (!of.trigger.connected()) {
-    found.state = of.trigger.tried() ? DeviceState::kFailed : DeviceState::kNoAnswerYet;
-    found.problem = of.trigger.last_error();
+  found.by_lines = triggers_by_lines(of.settings);
+  if (!trigger.connected()) {
+    found.state = trigger.tried() ? DeviceState::kFailed : DeviceState::kNoAnswerYet;
+    found.problem = trigger.last_error();
     return found;
   }
-  const protocol::Identity identity = of.trigger.identity().value_or(protocol::Identity{});
-  const capture::TriggerInputs inputs = of.trigger.inputs();
+  const protocol::Identity identity = trigger.identity().value_or(protocol::Identity{});
+  const capture::TriggerInputs inputs = trigger.inputs();
   found.state = DeviceState::kGood;
   found.board = board_name(identity.board);
   found.firmware = std::to_string(identity.firmware_major) + "." + std::to_string(identity.firmware_minor) + "." +
@@ -77,6 +80,15 @@ service::TriggerFound trigger_found(const SelfTestOf& of) {
   found.lines_known = inputs.known;
   found.belt_stopped = inputs.belt_stopped;
   found.emergency_stop = inputs.emergency_stop;
+  return found;
+}
+
+service::GpioFound gpio_found(const SelfTestOf& of) {
+  service::GpioFound found;
+  found.configured = of.wiring.has_lines();
+  found.state = DeviceState::kGood;
+  found.library = capture::gpio_library_version();
+  found.lines = of.wiring.lines_text();
   return found;
 }
 
@@ -144,6 +156,7 @@ service::SelfTestFacts gather_facts(const SelfTestOf& of) {
   facts.socket_buffer = service::find_socket_buffer(
       capture::kStreamSocketBytes, std::int64_t{settings.limits.image_width} * settings.limits.image_height);
   facts.trigger = trigger_found(of);
+  facts.gpio = gpio_found(of);
   facts.plc_port = of.plc_port;
   facts.service_port = of.service_port;
   facts.state_folder = folder_found(settings, settings.state);
@@ -161,7 +174,7 @@ service::SelfTestFacts gather_facts(const SelfTestOf& of) {
   return facts;
 }
 
-service::SelfTestFacts gather_facts_alone(SelfTestOf of, capture::Camera& camera, capture::TriggerSource& trigger) {
+service::SelfTestFacts gather_facts_alone(SelfTestOf of, capture::Camera& camera, Wiring& wiring) {
   const Settings& settings = of.settings;
   of.plc_port = service::find_port(settings.plc_address, settings.plc_port);
   const auto word = of.plc_port.state == PortState::kFree
@@ -173,15 +186,22 @@ service::SelfTestFacts gather_facts_alone(SelfTestOf of, capture::Camera& camera
     if (word && of.service_port.state == PortState::kTaken) of.service_port.state = PortState::kServedByDaemon;
   }
   if (!word) {
+    const auto opened = wiring.open();
     camera.start();
-    trigger.start();
-    wait_for_devices(camera, trigger);
-    return gather_facts(of);
+    wiring.start();
+    wait_for_devices(camera, wiring.trigger());
+    service::SelfTestFacts facts = gather_facts(of);
+    if (!opened) {
+      facts.gpio.state = DeviceState::kFailed;
+      facts.gpio.problem = opened.error();
+    }
+    return facts;
   }
   service::SelfTestFacts facts = gather_facts(of);
   take_word(*word, {ResultCode::kCameraLost, ResultCode::kCameraNotFound, ResultCode::kCameraInUse}, facts.camera.state,
             facts.camera.problem);
-  take_word(*word, {ResultCode::kTriggerLost}, facts.trigger.state, facts.trigger.problem);
+  facts.gpio.state = DeviceState::kHeldByDaemon;
+  take_word(*word, {ResultCode::kTriggerLost, ResultCode::kLinesLost}, facts.trigger.state, facts.trigger.problem);
   return facts;
 }
 

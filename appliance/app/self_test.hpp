@@ -2,9 +2,9 @@
 #pragma once
 
 #include "app/settings.hpp"
+#include "app/wiring.hpp"
 #include "base/arena.hpp"
 #include "capture/camera.hpp"
-#include "capture/trigger_source.hpp"
 #include "service/self_test_facts.hpp"
 
 namespace beltpick::app {
@@ -15,7 +15,7 @@ class ModelHub;
 struct SelfTestOf {
   const Settings& settings;
   const capture::Camera& camera;
-  const capture::TriggerSource& trigger;
+  const Wiring& wiring;
   const ModelHub& hub;
   bool memory_locked = false;
   std::int64_t memory_bytes = 0;
@@ -25,8 +25,8 @@ struct SelfTestOf {
 // Of a running appliance: opens nothing, asks nobody.
 service::SelfTestFacts gather_facts(const SelfTestOf& of);
 
-// For an appliance that does not run: opens camera and trigger box and gives them some seconds; leaves them alone where
-// a running beltpickd has them, and takes its word.
-service::SelfTestFacts gather_facts_alone(SelfTestOf of, capture::Camera& camera, capture::TriggerSource& trigger);
+// For an appliance that does not run: opens camera, trigger box and lines and gives them some seconds; leaves them
+// alone where a running beltpickd has them, and takes its word.
+service::SelfTestFacts gather_facts_alone(SelfTestOf of, capture::Camera& camera, Wiring& wiring);
 
 }  // namespace beltpick::app

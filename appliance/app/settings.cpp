@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <sstream>
 
+#include "app/line_settings.hpp"
 #include "contract/result_codes.hpp"
 #include "contract_io/toml_config.hpp"
 
@@ -24,10 +25,34 @@ void visit_settings(Settings& s, Visitor& visit) {
                "0: it is triggered when it has read out; else it exposes meanwhile, with this pause between exposures");
   visit.integer("camera.buffers", s.camera_buffers, 2, 64, "frames that may wait between network and decoding");
   visit.flag("camera.packet_socket", s.packet_socket, "use a raw socket: faster, needs CAP_NET_RAW");
-  visit.table("trigger", "The trigger microcontroller, which also reads the belt-stopped and emergency-stop lines");
-  visit.text("trigger.tty", s.trigger_tty, "its serial device");
+  visit.table("trigger", "What drives projector and camera frame by frame");
+  visit.choice(
+      "trigger.source", s.trigger_source, {{"microcontroller", "lines"}},
+      "the trigger box, which also reads the belt-stopped and emergency-stop lines; or [lines] of this PC, whose "
+      "timing is looser");
+  visit.text("trigger.tty", s.trigger_tty, "the trigger box's serial device");
   visit.number("trigger.strobe_tolerance_us", s.strobe_tolerance_us, 10, 1e5,
                "the camera's strobe may lag its pulse by");
+  visit.table("lines",
+              "GPIO lines of this PC: \"LINE\", its number or name, or \"CHIP:LINE\", then active-low, pull-up or "
+              "pull-down where wanted; empty: not wired. gpioinfo lists the lines");
+  visit.text("lines.chip", s.lines.chip, "of lines that name no other: gpiochip0, or its label");
+  visit.text("lines.belt_stopped", s.lines.belt_stopped,
+             "input, beside the trigger box's: active while the belt stands");
+  visit.text("lines.emergency_stop", s.lines.emergency_stop,
+             "input, beside the trigger box's: active while pressed, so wire it closed and active-low");
+  visit.text("lines.belt_may_move", s.lines.belt_may_move,
+             "output: the register's bit; wire it so that its pull without power means no");
+  visit.text("lines.start", s.lines.start, "output to the trigger box's START, which falls to start: active-low");
+  visit.text("lines.busy", s.lines.busy, "BUSY of the trigger box, an input; with trigger.source lines an output");
+  visit.text("lines.fault", s.lines.fault, "FAULT of the trigger box, an input; with trigger.source lines an output");
+  visit.text("lines.camera", s.lines.camera, "output, with trigger.source lines: active as long as the exposure");
+  visit.text("lines.projector", s.lines.projector, "output, with trigger.source lines: a pulse shows the next pattern");
+  visit.text("lines.strobe", s.lines.strobe, "input, with trigger.source lines: active while the camera exposes");
+  visit.integer("lines.debounce_ms", s.lines.debounce_ms, 0, 1000,
+                "belt_stopped and emergency_stop count as harmless again after so long; as harmful at once");
+  visit.integer("lines.late_limit_us", s.lines.late_limit_us, 50, 100'000,
+                "with trigger.source lines: an edge later than this ends the capture");
   visit.table("model",
               "What to look for and where; paths count from the folder of this file. With service.state these files "
               "only fill a "
@@ -174,6 +199,7 @@ Result<Settings> read_settings(const std::filesystem::path& path, std::vector<st
   Reader reader(*toml);
   visit_settings(settings, reader);
   if (settings.recipes.empty()) toml->fail(ResultCode::kMemberMissing, "model.recipes", "at least one recipe", "none");
+  judge_line_settings(settings, *toml);
   if (const auto finished = toml->finish(warnings); !finished) return std::unexpected(finished.error());
   return settings;
 }

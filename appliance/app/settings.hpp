@@ -13,6 +13,16 @@
 
 namespace beltpick::app {
 
+// Lines of the PC's GPIO; an empty text is a line that is not wired.
+struct LineSettings {
+  std::string chip = "gpiochip0";
+  std::string belt_stopped, emergency_stop, belt_may_move;
+  std::string start, busy, fault;
+  std::string camera, projector, strobe;
+  int debounce_ms = 10;
+  int late_limit_us = 500;
+};
+
 struct Settings {
   std::filesystem::path folder = ".";  // of the configuration file: relative paths count from here
 
@@ -22,8 +32,10 @@ struct Settings {
   int camera_buffers = 12;
   bool packet_socket = false;
 
+  std::string trigger_source = "microcontroller";
   std::string trigger_tty = "/dev/ttyACM0";
   double strobe_tolerance_us = 500;
+  LineSettings lines;
 
   std::string calibration = "calibration.json";
   std::string cell = "cell.json";

@@ -13,6 +13,7 @@ Check check_packet_size(const CameraFound& camera);
 Check check_socket_buffer(const SocketBufferFound& buffer);
 Check check_trigger(const TriggerFound& trigger);
 Check check_lines(const TriggerFound& trigger);
+Check check_gpio(const GpioFound& gpio);
 
 // self_test_machine.cpp
 Check check_plc_port(const PortFound& port);

@@ -96,6 +96,7 @@ Check check_trigger(const TriggerFound& trigger) {
                     "something is connected there, but it does not answer as the trigger firmware does",
                     "check trigger.tty in the configuration; flash the firmware; unplug the box and plug it in again");
   }
+  if (trigger.by_lines) return good(kName, "none: lines of this PC drive camera and projector, with looser timing");
   return good(kName, "%s with firmware %s, protocol %d, on %s", trigger.board.c_str(), trigger.firmware.c_str(),
               trigger.protocol, trigger.tty.c_str());
 }
@@ -115,6 +116,14 @@ Check check_lines(const TriggerFound& trigger) {
                     "release it; if it is, check the wire: the line is safe when it carries current");
   }
   return good(kName, "%s, emergency stop released", belt);
+}
+
+Check check_gpio(const GpioFound& gpio) {
+  constexpr const char* kName = "GPIO lines";
+  if (!gpio.configured) return skipped(kName, "none of this PC's: [lines] in the configuration is empty");
+  if (gpio.state == DeviceState::kHeldByDaemon) return skipped(kName, "%s", kHeld);
+  if (gpio.state == DeviceState::kFailed) return failed_by(kName, gpio.problem);
+  return good(kName, "%s (libgpiod %s)", gpio.lines.c_str(), gpio.library.c_str());
 }
 
 }  // namespace beltpick::service

@@ -41,12 +41,22 @@ struct SocketBufferFound {
 struct TriggerFound {
   DeviceState state = DeviceState::kNoAnswerYet;
   Error problem;
+  bool by_lines = false;  // lines of this PC take its place
   std::string tty;
   std::string board, firmware;  // "ATmega2560", "1.0.0"
   int protocol = 0;
   bool lines_known = false;
   bool belt_stopped = false;
   bool emergency_stop = false;
+};
+
+// Digital lines of this PC.
+struct GpioFound {
+  bool configured = false;
+  DeviceState state = DeviceState::kNoAnswerYet;
+  Error problem;
+  std::string library;  // the version of libgpiod
+  std::string lines;    // each with its level, in words
 };
 
 enum class PortState : std::uint8_t {
@@ -122,6 +132,7 @@ struct SelfTestFacts {
   CameraFound camera;
   SocketBufferFound socket_buffer;
   TriggerFound trigger;
+  GpioFound gpio;
   PortFound plc_port, service_port;
   FolderFound state_folder, record_folder;
   StoreFound store;
@@ -134,7 +145,8 @@ struct SelfTestFacts {
 };
 
 // The verdicts, one check after the other: camera, image size, exposure, packet size, socket buffer, trigger box,
-// lines, PLC port, state folder, record folder, store, calibration, models, clock, memory lock, real-time, service.
+// lines, GPIO lines, PLC port, state folder, record folder, store, calibration, models, clock, memory lock, real-time,
+// service.
 SelfTestReport judge(const SelfTestFacts& facts);
 
 }  // namespace beltpick::service

@@ -21,13 +21,13 @@
 namespace beltpick::capture {
 
 struct CellLinesConfig {
-  LineSpec belt_stopped;    // input
-  LineSpec emergency_stop;  // input
-  LineSpec busy;            // input: of the microcontroller
-  LineSpec fault;           // input: of the microcontroller
-  LineSpec belt_may_move;   // output
-  LineSpec start;           // output: to the microcontroller
-  int debounce_ms = 10;     // of belt_stopped and emergency_stop, see Debounce
+  LineSpec belt_stopped{};    // input
+  LineSpec emergency_stop{};  // input
+  LineSpec busy{};            // input: of the microcontroller
+  LineSpec fault{};           // input: of the microcontroller
+  LineSpec belt_may_move{};   // output
+  LineSpec start{};           // output: to the microcontroller
+  int debounce_ms = 10;       // of belt_stopped and emergency_stop, see Debounce
 };
 
 struct CellInputs {

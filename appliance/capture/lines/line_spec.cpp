@@ -9,8 +9,6 @@ namespace beltpick::capture {
 
 namespace {
 
-constexpr const char* kForm = "[CHIP:]LINE [active-low] [pull-up|pull-down]";
-
 Result<void> take_option(LineSpec& spec, const std::string& word) {
   if (word == "active-low") {
     spec.active_low = true;
@@ -19,7 +17,7 @@ Result<void> take_option(LineSpec& spec, const std::string& word) {
   } else if (word == "pull-down") {
     spec.bias = LineBias::kPullDown;
   } else {
-    return failure(ResultCode::kValueOutOfRange, "expected %s, found '%s'", kForm, word.c_str());
+    return failure(ResultCode::kValueOutOfRange, "expected %s, found '%s'", kLineSpecForm, word.c_str());
   }
   return {};
 }
@@ -35,8 +33,8 @@ Result<LineSpec> parse_line_spec(const std::string& text, const std::string& def
   spec.chip = colon == std::string::npos ? default_chip : where.substr(0, colon);
   spec.line = colon == std::string::npos ? where : where.substr(colon + 1);
   if (spec.chip.empty() || spec.line.empty()) {
-    return failure(ResultCode::kValueOutOfRange, "expected %s, found '%s': no %s; see gpioinfo", kForm, text.c_str(),
-                   spec.line.empty() ? "line" : "chip, and none in lines.chip");
+    return failure(ResultCode::kValueOutOfRange, "expected %s, found '%s': no %s; see gpioinfo", kLineSpecForm,
+                   text.c_str(), spec.line.empty() ? "line" : "chip, and none in lines.chip");
   }
   for (std::string word; words >> word;) {
     if (const auto taken = take_option(spec, word); !taken) return std::unexpected(taken.error());

@@ -70,6 +70,7 @@ Result<void> LineTrigger::open(Gpio& gpio) {
 }
 
 void LineTrigger::start() {
+  if (!opened_) return;
   thread_ = std::thread([this] { run(); });
   ::pthread_setname_np(thread_.native_handle(), "trigger");
 }
@@ -156,6 +157,20 @@ Result<void> LineTrigger::answer(Refusal refusal, const char* what) const {
   if (refusal == Refusal::kNone) return {};
   const ResultCode code = refusal == Refusal::kFaultLatched ? code_of(sequencer_.status(0).fault) : code_of(refusal);
   return failure(code, "lines: %s refused: %s", what, protocol::refusal_text(refusal));
+}
+
+std::vector<LineShown> LineTrigger::show() const {
+  const std::lock_guard lock(mutex_);
+  std::vector<LineShown> shown;
+  const auto add = [&shown](const char* name, const LineSpec& spec, bool output, bool active) {
+    if (spec.wired()) shown.push_back({name, spec, output, active});
+  };
+  add("camera", config_.camera, true, driven_.camera);
+  add("projector", config_.projector, true, driven_.projector);
+  add("strobe", config_.strobe, false, strobe_ != nullptr && strobe_->read().value_or(false));
+  add("busy", config_.busy, true, driven_.busy);
+  add("fault", config_.fault, true, driven_.fault);
+  return shown;
 }
 
 std::optional<TriggerEvent> LineTrigger::next_event() {

@@ -39,6 +39,7 @@ class LineTrigger : public TriggerSource {
   // Takes the lines; after the interlocks'. Errors: those of Gpio::request.
   Result<void> open(Gpio& gpio);
 
+  // Without the lines it does nothing.
   void start() override;
   [[nodiscard]] bool connected() const override { return opened_ && !lost_ && interlocks_.inputs().known; }
   [[nodiscard]] Error last_error() const override;
@@ -54,6 +55,9 @@ class LineTrigger : public TriggerSource {
   Result<void> clear() override;
   // Tells also that the caller lives: silence for the armed time is HOST_SILENT.
   std::optional<TriggerEvent> next_event() override;
+
+  // The wired lines and their levels now.
+  [[nodiscard]] std::vector<LineShown> show() const;
 
   // How late an edge came at worst since START of the last sequence.
   [[nodiscard]] int worst_late_us() const { return worst_late_us_; }

@@ -40,7 +40,9 @@ class StandInVision : public Vision {
 class StandInLines : public DigitalLines {
  public:
   LineLevels levels{true, true, false};
+  bool may_move = false;
   LineLevels read() override { return levels; }
+  void permit_belt(bool permitted) override { may_move = permitted; }
 };
 
 class StandInModels : public Models {

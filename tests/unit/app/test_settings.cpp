@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "app/line_settings.hpp"
 #include "app/settings.hpp"
 #include "contract/result_codes.hpp"
 
@@ -76,4 +77,32 @@ TEST_CASE("wrong values name key, line and what was expected; unknown keys warn"
   CHECK(read("[plc]\nprot = 3\n", warnings));
   REQUIRE(warnings.size() == 1);
   CHECK(warnings[0].find("prot") != std::string::npos);
+}
+
+TEST_CASE("lines are judged with the source that needs them", "[settings]") {
+  const std::string wired =
+      "[trigger]\nsource = \"lines\"\n[lines]\nbelt_stopped = \"0\"\nemergency_stop = \"1 active-low pull-up\"\n"
+      "camera = \"2\"\nprojector = \"3\"\n";
+  std::vector<std::string> warnings;
+  const auto good = read(wired + "strobe = \"usb-dio:STROBE\"\nbusy = \"5\"\n", warnings);
+  REQUIRE(good);
+  CHECK(warnings.empty());
+  CHECK(triggers_by_lines(*good));
+  CHECK(line_trigger_config(*good).strobe == capture::LineSpec{"usb-dio", "STROBE", false, capture::LineBias::kAsIs});
+  CHECK(cell_lines_config(*good).emergency_stop ==
+        capture::LineSpec{"gpiochip0", "1", true, capture::LineBias::kPullUp});
+  CHECK_FALSE(cell_lines_config(*good).busy.wired());  // ours to drive, not to read
+
+  const auto expect = [&](const std::string& text, ResultCode code, const char* key) {
+    CAPTURE(text);
+    const auto judged = read(text, warnings);
+    REQUIRE_FALSE(judged);
+    CHECK(judged.error().code == code);
+    CHECK_THAT(judged.error().detail, Catch::Contains(key));
+  };
+  expect(wired, ResultCode::kMemberMissing, "lines.strobe");
+  expect(wired + "strobe = \"4\"\nstart = \"5\"\n", ResultCode::kValueOutOfRange, "lines.start");
+  expect("[lines]\ncamera = \"2\"\n", ResultCode::kValueOutOfRange, "lines.camera");
+  expect("[lines]\nbusy = \"2 active-high\"\n", ResultCode::kValueOutOfRange, "lines.busy");
+  expect("[trigger]\nsource = \"magic\"\n", ResultCode::kValueOutOfRange, "trigger.source");
 }
