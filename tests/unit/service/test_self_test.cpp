@@ -40,6 +40,7 @@ SelfTestFacts good_cell() {
                    .lines_known = true,
                    .belt_stopped = true,
                    .emergency_stop = false};
+  facts.gpio = {true, DeviceState::kGood, {}, "1.6.3", "start: line 4 of gpiochip0, output, inactive"};
   facts.plc_port = {PortState::kServedHere, "0.0.0.0", 502, "", true};
   facts.service_port = {PortState::kServedHere, "127.0.0.1", 8443, "", false};
   facts.state_folder = {true, "/var/lib/beltpick", true, true, "", 20'000'000'000};
@@ -112,6 +113,12 @@ const Fault kFaults[] = {
     {"lines not told", [](SelfTestFacts& f) { f.trigger.lines_known = false; }, "lines", Verdict::kFailed, "firmware"},
     {"emergency stop", [](SelfTestFacts& f) { f.trigger.emergency_stop = true; }, "lines", Verdict::kWarning,
      "emergency stop"},
+    {"GPIO line held",
+     [](SelfTestFacts& f) {
+       f.gpio.state = DeviceState::kFailed;
+       f.gpio.problem = error(ResultCode::kLineInUse, "lines.start: held by 'gpiomon'; end that program");
+     },
+     "GPIO lines", Verdict::kFailed, "end that program"},
     {"no PLC", [](SelfTestFacts& f) { f.plc_port.connected = false; }, "PLC port", Verdict::kWarning, "PLC"},
     {"PLC port taken", [](SelfTestFacts& f) { f.plc_port.state = PortState::kTaken; }, "PLC port", Verdict::kFailed,
      ":502"},
