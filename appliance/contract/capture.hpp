@@ -37,9 +37,20 @@ struct FrameSpec {
   double exposure_us = 0.0;  // 0 where not told
 };
 
+// Where a frame lies among the 24-bit images in a projector's flash (contract/flash_plan.hpp): bit planes first_plane
+// .. first_plane + bits - 1 of an image, the least significant first.
+struct FlashPlace {
+  int image = 0;
+  int first_plane = 0;
+  int bits = 1;
+
+  bool operator==(const FlashPlace&) const = default;
+};
+
 struct Sequence {
   ProjectorGrid projector;
   std::vector<FrameSpec> frames;  // in projection order
+  std::vector<FlashPlace> flash;  // of every frame, where the sequence tells it; else empty
 };
 
 // capture.json without its images.

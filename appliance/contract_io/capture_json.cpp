@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <map>
 
+#include "contract/flash_plan.hpp"
 #include "contract/result_codes.hpp"
 #include "contract_io/capture_io.hpp"
 #include "contract_io/file_io.hpp"
@@ -72,6 +73,34 @@ void warn_of_repeated_files(const Sequence& sequence, JsonDocument& document) {
   }
 }
 
+// "flash": {"images": [files], "frames": [{"image": 0, "first_plane": 0, "bits": 8}, ...]}; what else stands there is
+// for people.
+std::vector<FlashPlace> read_flash(JsonObject flash) {
+  std::vector<FlashPlace> places;
+  flash.ignore("plane_order");
+  flash.ignore("images");
+  for (JsonObject& frame : flash.objects("frames")) {
+    FlashPlace place;
+    place.image = frame.integer("image", {0, kMaxFrames});
+    place.first_plane = frame.integer("first_plane", {0, lcr4500::kPlanesPerImage - 1});
+    place.bits = frame.integer("bits", {1, 8});
+    frame.finish();
+    places.push_back(place);
+  }
+  flash.finish();
+  return places;
+}
+
+Json flash_json(const std::vector<FlashPlace>& places) {
+  Json frames = Json::array();
+  for (const FlashPlace& place : places) {
+    frames.push_back({{"image", place.image}, {"first_plane", place.first_plane}, {"bits", place.bits}});
+  }
+  Json images = Json::array();
+  for (int i = 0; i <= places.back().image; ++i) images.push_back(lcr4500::image_file(i));
+  return {{"plane_order", "G0..G7 R0..R7 B0..B7"}, {"images", std::move(images)}, {"frames", std::move(frames)}};
+}
+
 Json to_json(const FrameSpec& frame) {
   static constexpr const char* kKinds[] = {"phase", "gray", "white", "black"};
   Json json = {{"file", frame.file}, {"kind", kKinds[static_cast<std::size_t>(frame.kind)]}};
@@ -106,6 +135,7 @@ Sequence read_sequence_members(JsonDocument& document, JsonObject& root) {
     sequence.frames.push_back(read_frame(frame));
   }
   if (!document.failed()) warn_of_repeated_files(sequence, document);
+  if (root.is_object("flash")) sequence.flash = read_flash(root.object("flash"));
   return sequence;
 }
 
@@ -117,6 +147,7 @@ void append_sequence(const Sequence& sequence, Json& json) {
   Json frames = Json::array();
   for (const FrameSpec& frame : sequence.frames) frames.push_back(to_json(frame));
   json["frames"] = std::move(frames);
+  if (!sequence.flash.empty()) json["flash"] = flash_json(sequence.flash);
 }
 
 Result<CaptureHeader> parse_capture(std::string_view text, const std::string& name, Warnings& warnings) {

@@ -1,4 +1,4 @@
-// Images in and out: 8- and 16-bit grey for measuring, RGB for looking at.
+// Images in and out: 8- and 16-bit grey for measuring, RGB for looking at and for bit planes.
 #pragma once
 
 #include <array>
@@ -45,5 +45,8 @@ std::string encode_png(ImageView<const Rgb> image);
 Result<void> write_png(const std::filesystem::path& path, ImageView<const std::uint8_t> image);
 Result<void> write_png(const std::filesystem::path& path, ImageView<const std::uint16_t> image);
 Result<void> write_png(const std::filesystem::path& path, ImageView<const Rgb> image);
+
+// A BMP file of 24 bits a pixel, as projector makers' programs take it. Error: kFileNotWritten.
+Result<void> write_bmp(const std::filesystem::path& path, ImageView<const Rgb> image);
 
 }  // namespace beltpick::contract_io

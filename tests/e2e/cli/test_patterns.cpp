@@ -58,6 +58,26 @@ TEST_CASE("Every named sequence and layout is written, with JSON and an explanat
   CHECK(outcome.out.find("000.png  phase  column") != std::string::npos);
 }
 
+TEST_CASE("patterns for a LightCrafter 4500 tells planes, images and load time to a person", "[patterns]") {
+  const TempFolder folder;
+  const Outcome fast = beltpick_run("patterns --lcr4500 --sequence fast --explain --out " + (folder / "fast").string());
+  INFO(fast.out << fast.err);
+  REQUIRE(fast.exit_code == 0);
+  CHECK(fast.out.find("47 bit planes in 2 images") != std::string::npos);
+  CHECK(fast.out.find("no load time") != std::string::npos);
+  CHECK(fast.out.find("in flash_1.bmp B6") != std::string::npos);
+  const Outcome standard = beltpick_run("patterns --lcr4500 --projector 912x1140 --layout diamond --out " +
+                                        (folder / "standard").string());
+  CHECK(standard.out.find("72 bit planes in 3 images") != std::string::npos);
+  CHECK(standard.out.find("1 image is loaded during every capture, up to 200 ms") != std::string::npos);
+  contract_io::Warnings warnings;
+  const auto sequence = contract_io::read_sequence(folder / "standard/sequence.json", warnings);
+  REQUIRE(sequence);
+  CHECK(warnings.empty());
+  REQUIRE(sequence->flash.size() == sequence->frames.size());
+  CHECK(sequence->flash.back() == FlashPlace{2, 23, 1});
+}
+
 TEST_CASE("patterns refuses what it cannot do, in one line", "[patterns]") {
   const TempFolder folder;
   const std::string out = " --out " + (folder / "out").string();
@@ -76,6 +96,8 @@ TEST_CASE("patterns refuses what it cannot do, in one line", "[patterns]") {
   refused("--projector 12x12" + out, "at least 24 columns");
   refused("--projector 912x1140", "--out");
   refused(out, "--projector");
+  refused("--lcr4500 --projector 1280x800" + out, "912x1140");
+  refused("--lcr4500 --layout square" + out, "diamond");
   refused("--projector 912x1140 --sequence slow" + out, "robust");
   refused("--projector 912x1140 --axes diagonal" + out, "column");
   refused("--projector 912x1140 --out " + folder.file("plain", "x").string(), "plain");
