@@ -46,20 +46,23 @@ Result<void> take_period(protocol::Group& group, std::uint32_t shortest_us, cons
                  shortest_us, protocol::kMaxPeriod_us, group.exposure_us, group.period_us);
 }
 
-Result<void> append(CapturePlan& plan, const CaptureTiming& timing, std::uint32_t exposure_us) {
+Result<void> append(CapturePlan& plan, const CaptureTiming& timing, std::uint32_t exposure_us, std::uint32_t least_us) {
   protocol::Arm& arm = plan.timing;
   protocol::Group group{1, timing.settle_us, exposure_us, 0, timing.readout_us, timing.overlap_gap_us};
   const std::uint32_t shortest_us =
       std::max(timing.settle_us + exposure_us + timing.strobe_tolerance_us, group.least_pulse_interval_us());
   if (const auto long_enough = take_period(group, shortest_us, timing); !long_enough) return long_enough;
-  if (arm.group_count > 0 && arm.groups[arm.group_count - 1].exposure_us == exposure_us) {
-    ++arm.groups[arm.group_count - 1].frames;
+  group.period_us = std::max(group.period_us, least_us);
+  protocol::Group* const last = arm.group_count > 0 ? &arm.groups[arm.group_count - 1] : nullptr;
+  if (last != nullptr && last->exposure_us == exposure_us && last->period_us == group.period_us) {
+    ++last->frames;
     return {};
   }
   if (arm.group_count == protocol::kMaxGroups) {
-    return failure(ResultCode::kLimitExceeded,
-                   "sequence: expected at most %d changes of exposure, found more; sort its frames by exposure",
-                   protocol::kMaxGroups - 1);
+    return failure(
+        ResultCode::kLimitExceeded,
+        "sequence: expected at most %d changes of exposure or period, found more; sort its frames by exposure",
+        protocol::kMaxGroups - 1);
   }
   arm.groups[arm.group_count++] = group;
   return {};
@@ -104,7 +107,8 @@ Result<CapturePlan> make_plan(const Sequence& sequence, const CaptureTiming& tim
       return failure(ResultCode::kValueOutOfRange, "sequence frame %zu: expected an exposure of 1 to %u us, found %g",
                      i, protocol::kMaxExposure_us, exposure_us);
     }
-    const Result<void> added = append(plan, timing, static_cast<std::uint32_t>(std::lround(exposure_us)));
+    const Result<void> added = append(plan, timing, static_cast<std::uint32_t>(std::lround(exposure_us)),
+                                      timing.least_period_us.empty() ? 0 : timing.least_period_us[i]);
     if (!added) return std::unexpected(added.error());
     plan.frames.push_back(expect(sequence, i, exposure_us));
   }

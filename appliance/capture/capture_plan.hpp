@@ -2,6 +2,7 @@
 // like. Made when a recipe is loaded, not per cycle.
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "base/result.hpp"
@@ -19,6 +20,8 @@ struct CaptureTiming {
   std::uint32_t period_us = 0;  // 0: the shortest that the others allow
   std::uint32_t strobe_tolerance_us = 500;
   std::uint16_t host_silence_ms = 500;
+  // What the projector needs besides, of every frame: it may be longer than the period. Empty: nothing.
+  std::span<const std::uint32_t> least_period_us = {};
 };
 
 // What the checks may expect of one frame.

@@ -180,6 +180,7 @@ Result<void> CaptureRun::take_events(Progress& progress) {
     if (event->type == Type::kDoneEvent && event->done.arm_id == progress.arm_id) progress.done = true;
     if (event->type == Type::kFaultEvent) return fault_of(event->fault.fault, event->fault.frame);
   }
+  if (const Result<void> going_on = trigger_.going_on(); !going_on) return going_on;
   // An event that the wire lost still stands in the status.
   const protocol::StatusReport status = trigger_.status();
   const bool of_this = status.arm_id == progress.arm_id || protocol::from_start(status.fault);

@@ -63,6 +63,9 @@ class TriggerSource {
   // Ends a latched fault. kEmergencyStop while that is pressed.
   virtual Result<void> clear() = 0;
 
+  // What keeps a running sequence from going on besides a fault; the next arm() forgets it.
+  [[nodiscard]] virtual Result<void> going_on() const { return {}; }
+
   // The events of the running sequence, in order. Those of an older arm id are the caller's to skip.
   virtual std::optional<TriggerEvent> next_event() = 0;
 };

@@ -13,6 +13,7 @@
 
 #include "base/clock.hpp"
 #include "capture/capture_run.hpp"
+#include "capture/stepped_trigger.hpp"
 #include "capture/trigger_link.hpp"
 #include "host/board.hpp"
 #include "patterns.hpp"
@@ -54,7 +55,8 @@ class Cell {
                        random_);
     };
     settings.exposure_began = [this](const virtual_cell::gige::Exposure& exposure) {
-      shown_[exposure.trigger_number % shown_.size()] = pattern_;
+      const int led_page = page;
+      shown_[exposure.trigger_number % shown_.size()] = led_page >= 0 ? static_cast<unsigned>(led_page) : pattern_;
       board->set_strobe(true);
     };
     settings.exposure_ended = [this](const virtual_cell::gige::Exposure&) { board->set_strobe(false); };
@@ -68,6 +70,7 @@ class Cell {
   }
 
   std::function<void(int)> on_pulse;  // of the sequence that runs, from 0; set while none does
+  std::atomic<int> page{-1};          // shown by a display, not by advance pulses, where it is not negative
   std::atomic<int> slow_frame{-1};    // frames until one whose readout takes longer than anybody waits
   std::unique_ptr<virtual_cell::gige::Camera> camera;
   std::unique_ptr<host::Board> board;
@@ -92,7 +95,8 @@ class Cell {
 // The appliance's side.
 class Appliance : public capture::FrameSink {
  public:
-  explicit Appliance(const Cell& cell)
+  // `show`: of a projector that leads.
+  explicit Appliance(const Cell& cell, capture::FrameShow* show = nullptr)
       : plan_(*capture::make_plan(
             patterns::standard(),
             {.exposure_us = 1000, .settle_us = 300, .readout_us = 6000, .strobe_tolerance_us = 800})),
@@ -100,7 +104,8 @@ class Appliance : public capture::FrameSink {
         arena_(block_.data(), block_.bytes()),
         camera(config(), arena_),
         trigger({.tty = cell.board->tty()}),
-        run_(camera, trigger, kMaxFrames, arena_) {
+        stepped(show != nullptr ? std::make_unique<capture::SteppedTrigger>(trigger, *show, 2000) : nullptr),
+        run_(camera, stepped ? static_cast<capture::TriggerSource&>(*stepped) : trigger, kMaxFrames, arena_) {
     camera.start();
     trigger.start();
     REQUIRE(eventually([&] { return ready(); }));
@@ -146,6 +151,7 @@ class Appliance : public capture::FrameSink {
  public:
   capture::Camera camera;
   capture::TriggerLink trigger;
+  std::unique_ptr<capture::SteppedTrigger> stepped;
   std::atomic<ResultCode> cancel{ResultCode::kOk};
   std::function<void(int)> on_frame;
   int taken = 0;
