@@ -69,8 +69,12 @@ Stages::Stages(Arena& arena, const Settings& settings, Log& log, RunBook& book)
     : hub(arena, settings, log),
       camera(camera_config(settings), arena),
       wiring(settings),
+      projector(make_projector(settings)),
+      pages(projector),
+      stepped(wiring.trigger(), pages, settings.projector_latency_us),
       recorder(arena, settings, log),
-      work(arena, settings, {camera, wiring.trigger(), hub, recorder, book, refused}) {
+      work(arena, settings,
+           {camera, projector.leads() ? stepped : wiring.trigger(), hub, recorder, projector, book, refused}) {
   hub.on_load([this](const Geometry& geometry, LoadedRecipe& recipe) { return work.adopt(geometry, recipe); });
 }
 
@@ -168,6 +172,7 @@ SelfTestOf Appliance::self_test_of() const {
   return {.settings = settings_,
           .camera = stages_->camera,
           .wiring = stages_->wiring,
+          .projector = stages_->projector,
           .hub = stages_->hub,
           .memory_locked = memory_locked_,
           .memory_bytes = static_cast<std::int64_t>(block_.bytes()),
@@ -177,7 +182,7 @@ SelfTestOf Appliance::self_test_of() const {
 
 service::SelfTestReport Appliance::self_test_alone() {
   memory_locked_ = block_.lock();
-  return service::judge(gather_facts_alone(self_test_of(), stages_->camera, stages_->wiring));
+  return service::judge(gather_facts_alone(self_test_of(), stages_->camera, stages_->wiring, stages_->projector));
 }
 
 service::SelfTestReport Appliance::self_test_running(const Threads& threads) const {
@@ -231,6 +236,7 @@ Result<int> Appliance::run() {
   if (kept_) threads->cell_side.emplace(settings_, cell_side_of(*threads));
   stages_->camera.start();
   stages_->wiring.start();
+  stages_->projector.start();
   threads->plc =
       threads->loop("plc", RealtimePriority::kPlc, [&server = *threads->server] { server.poll(kPlcStep_ms); });
   threads->cycle = threads->loop("cycle", RealtimePriority::kCycle, [&controller = threads->controller] {

@@ -11,6 +11,7 @@
 #include "app/kept_models.hpp"
 #include "app/log.hpp"
 #include "app/model_hub.hpp"
+#include "app/projector_choice.hpp"
 #include "app/recorder.hpp"
 #include "app/run_book.hpp"
 #include "app/self_test.hpp"
@@ -30,6 +31,9 @@ struct Stages {
   ModelHub hub;
   capture::Camera camera;
   Wiring wiring;
+  projector::ProjectorKeeper projector;
+  KeptPages pages;
+  capture::SteppedTrigger stepped;  // where the projector leads
   Recorder recorder;
   RefusedGrasps refused;
   CaptureAndLocate work;

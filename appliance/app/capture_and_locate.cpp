@@ -8,6 +8,18 @@
 
 namespace beltpick::app {
 
+namespace {
+
+constexpr int kProjectorReady_ms = 5000;
+
+// What a projector that stands or is gone looks like to the camera, or told itself.
+bool may_be_projector(ResultCode code) {
+  return code == ResultCode::kFrameBlack || code == ResultCode::kFrameDuplicated ||
+         (code >= ResultCode::kProjectorLost && code <= ResultCode::kProjectorFault);
+}
+
+}  // namespace
+
 // Folds each frame as it arrives and shows it to the recorder. The first failure voids the capture.
 class CaptureAndLocate::FoldFrames : public capture::FrameSink {
  public:
@@ -37,12 +49,13 @@ CaptureAndLocate::CaptureAndLocate(Arena& arena, const Settings& settings, const
           "withheld objects", static_cast<std::size_t>(settings.limits.segments + settings.limits.parts) + 1)) {}
 
 Result<void> CaptureAndLocate::adopt(const Geometry& geometry, LoadedRecipe& recipe) {
+  to_.projector.use(recipe.show);
   return measure_.adopt(std::move(recipe.fold), geometry.calibration);
 }
 
 ResultCode CaptureAndLocate::device_code() const {
   if (!to_.trigger.connected()) return to_.trigger.last_error().code;
-  if (to_.camera.state() == capture::CameraState::kReady) return ResultCode::kOk;
+  if (to_.camera.state() == capture::CameraState::kReady) return to_.projector.code();
   const ResultCode code = to_.camera.last_error().code;
   return code == ResultCode::kOk ? ResultCode::kCameraNotFound : code;
 }
@@ -51,13 +64,7 @@ Result<void> CaptureAndLocate::capture(std::uint16_t number, const std::atomic<R
   to_.recorder.begin();
   const Stopwatch watch;
   FoldFrames sink(measure_, to_.recorder);
-  const auto outcome = [&]() -> Result<void> {
-    if (const auto begun = measure_.begin(); !begun) return begun;
-    const auto report = run_.run(to_.hub.recipe().plan, sink, cancel);
-    if (!report) return std::unexpected(report.error());
-    last_frame_us_ = report->last_frame_us;
-    return sink.outcome();
-  }();
+  const Result<void> outcome = run_capture(sink, cancel);
   to_.book.add_capture(!outcome);
   if (outcome) {
     to_.book.add_time(Step::kCapture, watch.elapsed_ms());
@@ -65,6 +72,17 @@ Result<void> CaptureAndLocate::capture(std::uint16_t number, const std::atomic<R
     to_.recorder.keep_failure(number, outcome.error().code);
   }
   return outcome;
+}
+
+Result<void> CaptureAndLocate::run_capture(FoldFrames& sink, const std::atomic<ResultCode>& cancel) {
+  if (const auto begun = measure_.begin(); !begun) return begun;
+  if (const auto ready = to_.projector.begin(kProjectorReady_ms); !ready) return ready;
+  const auto report = run_.run(to_.hub.recipe().plan, sink, cancel);
+  const auto well = to_.projector.end(!report && may_be_projector(report.error().code));
+  if (!well) return well;
+  if (!report) return std::unexpected(report.error());
+  last_frame_us_ = report->last_frame_us;
+  return sink.outcome();
 }
 
 Result<Located> CaptureAndLocate::locate(std::uint16_t number) {

@@ -13,6 +13,7 @@
 #include "capture/trigger_source.hpp"
 #include "pipeline/locate.hpp"
 #include "pipeline/measure.hpp"
+#include "projector/projector_keeper.hpp"
 #include "segment/segmenter.hpp"
 
 namespace beltpick::app {
@@ -24,6 +25,7 @@ class CaptureAndLocate : public VisionWork {
     capture::TriggerSource& trigger;
     const ModelHub& hub;
     Recorder& recorder;
+    projector::ProjectorKeeper& projector;
     RunBook& book;
     const RefusedGrasps& refused;
   };
@@ -42,6 +44,7 @@ class CaptureAndLocate : public VisionWork {
  private:
   class FoldFrames;
 
+  Result<void> run_capture(FoldFrames& sink, const std::atomic<ResultCode>& cancel);
   std::span<const WithheldObject> withheld(const pipeline::LocateOutput& found, int left_out);
 
   const Settings& settings_;

@@ -1,8 +1,10 @@
 #include "app/loaded_recipe.hpp"
 
 #include <algorithm>
+#include <span>
 
 #include "app/geometry_check.hpp"
+#include "app/projector_choice.hpp"
 #include "contract/result_codes.hpp"
 #include "contract_io/calibration_io.hpp"
 #include "contract_io/file_io.hpp"
@@ -44,6 +46,21 @@ Result<void> check_frames(const LoadedRecipe& loaded, const Settings& settings) 
                  settings.limits.frames, frames);
 }
 
+// What the trigger is armed with and what the projector shows, made to fit each other.
+Result<void> plan_capture(LoadedRecipe& loaded, const Settings& settings) {
+  const auto periods_us = projector_periods_us(settings, loaded.sequence, loaded.recipe.settle_us);
+  if (!periods_us) return std::unexpected(periods_us.error());
+  capture::CaptureTiming timing = timing_of(loaded.recipe, settings);
+  timing.least_period_us = *periods_us;
+  auto plan = capture::make_plan(loaded.sequence, timing);
+  if (!plan) return std::unexpected(plan.error());
+  loaded.plan = std::move(*plan);
+  const std::span groups(loaded.plan.timing.groups, loaded.plan.timing.group_count);
+  const auto shortest = std::ranges::min_element(groups, {}, &protocol::Group::period_us);
+  loaded.show = {loaded.sequence, timing.settle_us, shortest->period_us};
+  return check_projector_timing(settings, loaded.show);
+}
+
 }  // namespace
 
 Result<LoadedRecipe> plan_recipe(const ListedRecipe& listed, const Settings& settings, const Calibration& calibration,
@@ -51,15 +68,12 @@ Result<LoadedRecipe> plan_recipe(const ListedRecipe& listed, const Settings& set
   LoadedRecipe loaded;
   loaded.recipe = listed.recipe;
   loaded.items.push_back(listed.item);
-  ProjectorGrid projector{calibration.projector.width, calibration.projector.height};
-  if (settings.projector_layout == "diamond") projector.layout = ProjectorLayout::kDiamond;
+  const ProjectorGrid projector{calibration.projector.width, calibration.projector.height, projector_layout(settings)};
   auto sequence = contract_io::recipe_sequence(loaded.recipe, projector, warnings);
   if (!sequence) return std::unexpected(sequence.error());
   loaded.sequence = std::move(*sequence);
   if (auto few = check_frames(loaded, settings); !few) return std::unexpected(few.error());
-  auto plan = capture::make_plan(loaded.sequence, timing_of(loaded.recipe, settings));
-  if (!plan) return std::unexpected(plan.error());
-  loaded.plan = std::move(*plan);
+  if (const auto timed = plan_capture(loaded, settings); !timed) return std::unexpected(timed.error());
   auto fold = pipeline::plan_measuring(loaded.sequence, calibration, pipeline::decoder_limits(settings.limits));
   if (!fold) return std::unexpected(fold.error());
   loaded.fold = std::move(*fold);

@@ -13,6 +13,7 @@
 #include "contract/part_template.hpp"
 #include "contract/recipe.hpp"
 #include "decode/plan.hpp"
+#include "projector/projector.hpp"
 #include "service/cell_side.hpp"
 
 namespace beltpick::app {
@@ -47,6 +48,7 @@ struct LoadedRecipe {
   Recipe recipe;
   Sequence sequence;
   capture::CapturePlan plan;
+  projector::ShowPlan show;
   decode::FoldPlan fold;
   std::vector<PartTemplate> templates;  // as the recipe orders them
   std::vector<service::ItemInUse> items;

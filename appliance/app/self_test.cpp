@@ -6,6 +6,7 @@
 
 #include "app/line_settings.hpp"
 #include "app/model_hub.hpp"
+#include "app/projector_choice.hpp"
 #include "base/clock.hpp"
 #include "base/utc.hpp"
 #include "capture/receive_buffer.hpp"
@@ -20,8 +21,9 @@ using service::PortState;
 
 namespace {
 
-constexpr std::int64_t kCameraPatience_us = 8'000'000;   // a camera found by its serial number, all settings
-constexpr std::int64_t kTriggerPatience_us = 4'500'000;  // a board that resets when it is opened
+constexpr std::int64_t kCameraPatience_us = 8'000'000;     // a camera found by its serial number, all settings
+constexpr std::int64_t kProjectorPatience_us = 8'000'000;  // all patterns drawn, validated
+constexpr std::int64_t kTriggerPatience_us = 4'500'000;    // a board that resets when it is opened
 
 service::CameraFound camera_found(const SelfTestOf& of) {
   service::CameraFound found;
@@ -92,6 +94,22 @@ service::GpioFound gpio_found(const SelfTestOf& of) {
   return found;
 }
 
+service::ProjectorFound projector_found(const SelfTestOf& of) {
+  service::ProjectorFound found;
+  const projector::ProjectorFacts facts = of.projector.facts();
+  found.by_edge_only = of.settings.projector_kind == kEdgeProjector;
+  found.name = facts.name;
+  found.device = facts.device;
+  found.firmware = facts.firmware;
+  found.details = facts.details;
+  found.problem = of.projector.last_error();
+  found.has_sequence = of.projector.has_plan();
+  found.state = !of.projector.tried()                   ? DeviceState::kNoAnswerYet
+                : found.problem.code == ResultCode::kOk ? DeviceState::kGood
+                                                        : DeviceState::kFailed;
+  return found;
+}
+
 service::FolderFound folder_found(const Settings& settings, const std::string& path) {
   return path.empty() ? service::FolderFound{} : service::find_folder(from_settings(settings, path));
 }
@@ -137,11 +155,14 @@ void take_word(const service::DaemonWord& word, std::initializer_list<ResultCode
   }
 }
 
-void wait_for_devices(const capture::Camera& camera, const capture::TriggerSource& trigger) {
+void wait_for_devices(const capture::Camera& camera, const capture::TriggerSource& trigger,
+                      const projector::ProjectorKeeper& projector) {
   const std::int64_t began_us = monotonic_us();
   const auto waits = [&] {
     const std::int64_t waited_us = monotonic_us() - began_us;
-    return (!camera.tried() && waited_us < kCameraPatience_us) || (!trigger.tried() && waited_us < kTriggerPatience_us);
+    return (!camera.tried() && waited_us < kCameraPatience_us) ||
+           (!trigger.tried() && waited_us < kTriggerPatience_us) ||
+           (projector.has_plan() && !projector.tried() && waited_us < kProjectorPatience_us);
   };
   while (waits()) std::this_thread::sleep_for(std::chrono::milliseconds(20));
 }
@@ -157,6 +178,7 @@ service::SelfTestFacts gather_facts(const SelfTestOf& of) {
       capture::kStreamSocketBytes, std::int64_t{settings.limits.image_width} * settings.limits.image_height);
   facts.trigger = trigger_found(of);
   facts.gpio = gpio_found(of);
+  facts.projector = projector_found(of);
   facts.plc_port = of.plc_port;
   facts.service_port = of.service_port;
   facts.state_folder = folder_found(settings, settings.state);
@@ -174,7 +196,8 @@ service::SelfTestFacts gather_facts(const SelfTestOf& of) {
   return facts;
 }
 
-service::SelfTestFacts gather_facts_alone(SelfTestOf of, capture::Camera& camera, Wiring& wiring) {
+service::SelfTestFacts gather_facts_alone(SelfTestOf of, capture::Camera& camera, Wiring& wiring,
+                                          projector::ProjectorKeeper& projector) {
   const Settings& settings = of.settings;
   of.plc_port = service::find_port(settings.plc_address, settings.plc_port);
   const auto word = of.plc_port.state == PortState::kFree
@@ -189,7 +212,8 @@ service::SelfTestFacts gather_facts_alone(SelfTestOf of, capture::Camera& camera
     const auto opened = wiring.open();
     camera.start();
     wiring.start();
-    wait_for_devices(camera, wiring.trigger());
+    projector.start();
+    wait_for_devices(camera, wiring.trigger(), projector);
     service::SelfTestFacts facts = gather_facts(of);
     if (!opened) {
       facts.gpio.state = DeviceState::kFailed;
@@ -202,6 +226,10 @@ service::SelfTestFacts gather_facts_alone(SelfTestOf of, capture::Camera& camera
             facts.camera.problem);
   facts.gpio.state = DeviceState::kHeldByDaemon;
   take_word(*word, {ResultCode::kTriggerLost, ResultCode::kLinesLost}, facts.trigger.state, facts.trigger.problem);
+  take_word(*word,
+            {ResultCode::kProjectorLost, ResultCode::kProjectorSilent, ResultCode::kProjectorRefused,
+             ResultCode::kProjectorWrongReply, ResultCode::kProjectorFault},
+            facts.projector.state, facts.projector.problem);
   return facts;
 }
 

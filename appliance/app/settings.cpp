@@ -53,6 +53,23 @@ void visit_settings(Settings& s, Visitor& visit) {
                 "belt_stopped and emergency_stop count as harmless again after so long; as harmful at once");
   visit.integer("lines.late_limit_us", s.lines.late_limit_us, 50, 100'000,
                 "with trigger.source lines: an edge later than this ends the capture");
+  visit.table("projector", "The projector");
+  visit.choice(
+      "projector.kind", s.projector_kind, {{"edge", "lightcrafter4500", "display"}},
+      "edge: any that holds the images and advances on an edge; lightcrafter4500: set up over USB, then by edges; "
+      "display: at a connector of this PC, which flips the pages");
+  visit.text(
+      "projector.device", s.projector_device,
+      "lightcrafter4500: e.g. /dev/beltpick-projector; display: e.g. /dev/dri/card0; empty: the first one found");
+  visit.text("projector.connector", s.projector_connector, "display: e.g. HDMI-A-1; empty: the first with a display");
+  visit.integer("projector.first_image", s.projector_first_image, 0, 255,
+                "lightcrafter4500: index in its flash of the first image of `beltpick patterns --lcr4500`");
+  visit.choice("projector.edge", s.projector_edge, {{"rising", "falling"}},
+               "lightcrafter4500: of TRIG_IN_1 that advances");
+  visit.choice("projector.light", s.projector_light, {{"white", "red", "green", "blue", "yellow", "magenta", "cyan"}},
+               "lightcrafter4500: its light sources");
+  visit.integer("projector.latency_us", s.projector_latency_us, 0, 500'000,
+                "display: from the start of a page's frame at the connector to its light");
   visit.table("model",
               "What to look for and where; paths count from the folder of this file. With service.state these files "
               "only fill a "
@@ -64,7 +81,8 @@ void visit_settings(Settings& s, Visitor& visit) {
   visit.integer("model.recipe", s.recipe, 0, 65535,
                 "number of the recipe active at the first start, 0: the first one; with service.state later the one "
                 "selected last");
-  visit.choice("model.projector_layout", s.projector_layout, {{"square", "diamond"}}, "the projector's lattice");
+  visit.choice("model.projector_layout", s.projector_layout, {{"square", "diamond"}},
+               "the projector's lattice; that of a lightcrafter4500 is always diamond");
   visit.table("cycle", "The cell's cycle");
   visit.integer("cycle.settle_ms", s.settle_ms, 0, 60000, "belt held and robot clear for so long before a capture");
   visit.integer("cycle.signals_agree_ms", s.signals_agree_ms, 0, 60000,

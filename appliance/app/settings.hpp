@@ -37,6 +37,14 @@ struct Settings {
   double strobe_tolerance_us = 500;
   LineSettings lines;
 
+  std::string projector_kind = "edge";
+  std::string projector_device;
+  std::string projector_connector;
+  int projector_first_image = 0;
+  std::string projector_edge = "rising";
+  std::string projector_light = "white";
+  int projector_latency_us = 35000;
+
   std::string calibration = "calibration.json";
   std::string cell = "cell.json";
   std::vector<std::string> recipes{"recipe.json"};

@@ -14,6 +14,7 @@ Check check_socket_buffer(const SocketBufferFound& buffer);
 Check check_trigger(const TriggerFound& trigger);
 Check check_lines(const TriggerFound& trigger);
 Check check_gpio(const GpioFound& gpio);
+Check check_projector(const ProjectorFound& projector);
 
 // self_test_machine.cpp
 Check check_plc_port(const PortFound& port);

@@ -126,4 +126,20 @@ Check check_gpio(const GpioFound& gpio) {
   return good(kName, "%s (libgpiod %s)", gpio.lines.c_str(), gpio.library.c_str());
 }
 
+Check check_projector(const ProjectorFound& projector) {
+  constexpr const char* kName = "projector";
+  if (projector.by_edge_only) return good(kName, "advances on an edge; it cannot be asked how it is");
+  if (projector.state == DeviceState::kHeldByDaemon) return skipped(kName, "%s", kHeld);
+  if (projector.state == DeviceState::kFailed) return failed_by(kName, projector.problem);
+  if (!projector.has_sequence) return skipped(kName, "no recipe can be run: there is nothing to show");
+  if (projector.state == DeviceState::kNoAnswerYet) {
+    return not_good(Verdict::kFailed, kName, "no end of preparing " + projector.name,
+                    "the projector is there, but does not take its sequence in time",
+                    "switch it off and on; check its cable");
+  }
+  const std::string firmware = projector.firmware.empty() ? "" : " with firmware " + projector.firmware;
+  return good(kName, "%s%s at %s: %s", projector.name.c_str(), firmware.c_str(), projector.device.c_str(),
+              projector.details.c_str());
+}
+
 }  // namespace beltpick::service

@@ -59,6 +59,14 @@ struct GpioFound {
   std::string lines;    // each with its level, in words
 };
 
+struct ProjectorFound {
+  DeviceState state = DeviceState::kNoAnswerYet;
+  Error problem;
+  bool by_edge_only = true;  // there is nothing to ask: it is led by the trigger box alone
+  bool has_sequence = false;
+  std::string name, device, firmware, details;
+};
+
 enum class PortState : std::uint8_t {
   kFree,
   kServedHere,      // by this process
@@ -133,6 +141,7 @@ struct SelfTestFacts {
   SocketBufferFound socket_buffer;
   TriggerFound trigger;
   GpioFound gpio;
+  ProjectorFound projector;
   PortFound plc_port, service_port;
   FolderFound state_folder, record_folder;
   StoreFound store;
@@ -145,8 +154,8 @@ struct SelfTestFacts {
 };
 
 // The verdicts, one check after the other: camera, image size, exposure, packet size, socket buffer, trigger box,
-// lines, GPIO lines, PLC port, state folder, record folder, store, calibration, models, clock, memory lock, real-time,
-// service.
+// lines, GPIO lines, projector, PLC port, state folder, record folder, store, calibration, models, clock, memory lock,
+// real-time, service.
 SelfTestReport judge(const SelfTestFacts& facts);
 
 }  // namespace beltpick::service

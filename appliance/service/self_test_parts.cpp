@@ -73,6 +73,7 @@ SelfTestReport judge(const SelfTestFacts& facts) {
       check_trigger(facts.trigger),
       check_lines(facts.trigger),
       check_gpio(facts.gpio),
+      check_projector(facts.projector),
       check_plc_port(facts.plc_port),
       check_folder("state folder", facts.state_folder, "none is configured: the files of [model] are used as they are"),
       check_folder("record folder", facts.record_folder, "none is configured: no captures are kept"),
