@@ -15,7 +15,7 @@ files=(
   "/usr/lib/sysusers.d/beltpick.conf|644|deploy/systemd/sysusers.conf|the account it runs as, without rights of its own"
   "/usr/lib/tmpfiles.d/beltpick.conf|644|deploy/systemd/tmpfiles.conf|its state folder, open to nobody else"
   "/usr/lib/sysctl.d/60-beltpick.conf|644|deploy/systemd/sysctl.conf|lets the camera's socket hold whole frames"
-  "/usr/lib/udev/rules.d/60-beltpick.rules|644|deploy/udev/60-beltpick.rules|the trigger box as /dev/beltpick-trigger"
+  "/usr/lib/udev/rules.d/60-beltpick.rules|644|deploy/udev/60-beltpick.rules|trigger box and projector as /dev/beltpick-trigger and /dev/beltpick-projector"
   "/usr/share/doc/beltpick/copyright|644|LICENSE|the licence"
 )
 

@@ -26,7 +26,7 @@ make_account() {
     act "account 'beltpick': beltpickd runs as it, not as root" systemd-sysusers /usr/lib/sysusers.d/beltpick.conf
   else
     act "account 'beltpick': beltpickd runs as it, not as root" useradd --system --user-group --no-create-home \
-      --home-dir "$state" --shell /usr/sbin/nologin --groups dialout beltpick
+      --home-dir "$state" --shell /usr/sbin/nologin --groups dialout,video beltpick
   fi
 }
 
@@ -49,7 +49,7 @@ apply_to_machine() {
   [ -z "$tree" ] || return 0
   raise_receive_buffer
   if has udevadm && [ -d /run/udev ]; then
-    act "udev: name the trigger box if it is plugged in" reload_udev
+    act "udev: name trigger box and projector if they are plugged in" reload_udev
   fi
   if systemd_runs; then
     act "systemd: read the unit" systemctl daemon-reload
@@ -74,7 +74,7 @@ raise_receive_buffer() {
 set_receive_buffer() {
   { echo "$1" >/proc/sys/net/core/rmem_max; } 2>/dev/null || say "the kernel does not take it now: it will at the next boot"
 }
-reload_udev() { udevadm control --reload && udevadm trigger --subsystem-match=tty; }
+reload_udev() { udevadm control --reload && udevadm trigger --subsystem-match=tty --subsystem-match=hidraw; }
 
 start_service() {
   if $first_install; then
