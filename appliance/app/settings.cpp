@@ -52,7 +52,7 @@ void visit_settings(Settings& s, Visitor& visit) {
   visit.integer("lines.debounce_ms", s.lines.debounce_ms, 0, 1000,
                 "belt_stopped and emergency_stop count as harmless again after so long; as harmful at once");
   visit.integer("lines.late_limit_us", s.lines.late_limit_us, 50, 100'000,
-                "with trigger.source lines: an edge later than this ends the capture");
+                "with trigger.source lines: an exposure longer by more than this ends the capture");
   visit.table("projector", "The projector");
   visit.choice(
       "projector.kind", s.projector_kind, {{"edge", "lightcrafter4500", "display"}},

@@ -74,7 +74,9 @@ raise_receive_buffer() {
 set_receive_buffer() {
   { echo "$1" >/proc/sys/net/core/rmem_max; } 2>/dev/null || say "the kernel does not take it now: it will at the next boot"
 }
-reload_udev() { udevadm control --reload && udevadm trigger --subsystem-match=tty --subsystem-match=hidraw; }
+reload_udev() {
+  udevadm control --reload && udevadm trigger --subsystem-match=tty --subsystem-match=hidraw --subsystem-match=gpio
+}
 
 start_service() {
   if $first_install; then

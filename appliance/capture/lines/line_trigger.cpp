@@ -240,7 +240,8 @@ void LineTrigger::serve(std::uint32_t at_ticks) {
   if (now.camera == before.camera && now.projector == before.projector) return;
   const std::int32_t late_us = us_of(static_cast<std::int32_t>(board_ticks(monotonic_us()) - at_ticks));
   worst_late_us_ = std::max(worst_late_us_.load(), late_us);
-  if (late_us > config_.late_limit_us) sequencer_.on_late_edge();
+  const bool ends_exposure = before.camera && !now.camera;
+  if (ends_exposure && late_us > config_.late_limit_us) sequencer_.on_late_edge();
   const bool rises = (now.camera && !before.camera) || (now.projector && !before.projector);
   if (rises) clock_zero_us_ += late_us;
 }

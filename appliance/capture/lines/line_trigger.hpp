@@ -4,8 +4,8 @@
 //
 // Its timing is looser: an edge comes when the thread runs, some ten microseconds late on an idle PC at real-time
 // priority, milliseconds late on a loaded one without it. Late rises move all that follows, so an exposure is never cut
-// short; a late fall makes it longer. What is later than `late_limit_us` ends the sequence with TIMER_LATE. The
-// strobe's times are the kernel's own stamps.
+// short; a late fall makes it longer, and by more than `late_limit_us` ends the sequence with TIMER_LATE. The strobe's
+// times are the kernel's own stamps. tests/bench/bench_line_trigger measures it.
 #pragma once
 
 #include <atomic>

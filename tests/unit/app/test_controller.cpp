@@ -89,6 +89,7 @@ TEST_CASE("a pose is offered in the robot's frame with its grasp, and taken back
   CHECK(bench.number(52) == 45.0F);
   CHECK(bench.command(PlcCommand::kPickDone, bench.inputs[20]) == 0);
   CHECK(bench.state() == CellState::kBeltReleased);
+  CHECK(bench.lines.may_move);
   CHECK((bench.inputs[2] & kStatusBeltMayMove) != 0);
   for (std::uint16_t address = 20; address < 58; ++address) CHECK(bench.inputs[address] == 0);
 }

@@ -26,6 +26,7 @@ echo STROBE >$chip/bank0/line7/name
 echo 1 >$chip/live
 name=$(cat $chip/bank0/chip_name)
 lines=/sys/devices/platform/$(cat $chip/dev_name)/$name
+trap "echo 0 >$chip/live" EXIT
 pull() { echo "pull-$2" >"$lines/sim_gpio$1/pull"; }
 level() { cat "$lines/sim_gpio$1/value"; }
 pull 0 up # the belt stands

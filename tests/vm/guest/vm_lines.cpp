@@ -1,4 +1,5 @@
 // The GPIO functions and the cell's lines on a simulated chip of the real kernel.
+#include <poll.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -122,12 +123,8 @@ TEST_CASE("who holds a busy line is named: another program, or the kernel") {
   int pid = 0;
   REQUIRE(std::fscanf(started, "%d", &pid) == 1);
   ::pclose(started);
-  Error error;
-  CHECK(eventually([&] {
-    const auto taken = gpio_of_this_pc().request(line(sim, "1"), LineUse::kInput, "belt_stopped");
-    if (!taken) error = taken.error();
-    return !taken;
-  }));
+  REQUIRE(eventually([] { return std::system("gpioinfo | grep -q gpiomon") == 0; }));
+  const Error error = refused(line(sim, "1"));
   CHECK(error.code == ResultCode::kLineInUse);
   CHECK_THAT(error.detail, Catch::Contains("held by 'gpiomon'"));
   ::kill(pid, SIGTERM);
@@ -141,29 +138,34 @@ TEST_CASE("who holds a busy line is named: another program, or the kernel") {
 
 TEST_CASE("1000 of 1000 edges arrive, in order, with rising stamps") {
   constexpr int kEdges = 1000;
-  constexpr int kKernelHolds = 12;  // edges of a line that nobody has read yet: 16 in version 1 of its interface
   const GpioSim sim("proof", 1);
   const auto input = take(line(sim, "0"), LineUse::kInput);
   std::atomic<int> count{0};
+  std::atomic<bool> given_up{false};
+  // The kernel's interrupt thread tells an edge by the level it finds: one that is faster than it is lost to any
+  // reader.
   std::thread hand([&] {
-    for (int i = 0; i < kEdges; ++i) {
+    for (int i = 0; i < kEdges && !given_up; ++i) {
       const std::int64_t begin_us = monotonic_us();
       sim.pull(0, i % 2 == 0);
-      while (monotonic_us() - begin_us < 200 || i - count >= kKernelHolds) std::this_thread::yield();
+      while (monotonic_us() - begin_us < 200 || (count <= i && !given_up)) std::this_thread::yield();
     }
   });
   bool alternate = true;
   std::int64_t first_us = 0, last_us = 0;
-  const bool all = eventually([&] {
+  const std::int64_t until_us = monotonic_us() + 20'000'000;
+  while (count < kEdges && monotonic_us() < until_us) {
+    pollfd wait{input->edge_fd(), POLLIN, 0};
+    ::poll(&wait, 1, 10);
     while (const auto edge = input->next_edge().value()) {
       alternate = alternate && edge->active == (count % 2 == 0) && edge->at_us > last_us;
       last_us = edge->at_us;
-      if (count++ == 0) first_us = last_us;
+      if (count == 0) first_us = last_us;
+      ++count;
     }
-    return count == kEdges;
-  });
+  }
+  given_up = true;
   hand.join();
-  CHECK(all);
   CHECK(count == kEdges);
   CHECK(alternate);
   WARN(count << " edges at " << 1e6 * (count - 1) / static_cast<double>(last_us - first_us) << " per second");

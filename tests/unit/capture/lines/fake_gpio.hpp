@@ -5,11 +5,14 @@
 #include <sys/eventfd.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <deque>
+#include <functional>
 #include <map>
 #include <mutex>
 #include <string>
 
+#include "base/clock.hpp"
 #include "capture/lines/gpio.hpp"
 #include "contract/result_codes.hpp"
 
@@ -89,6 +92,33 @@ class FakeGpio : public Gpio {
   }
 
   std::map<std::string, Wire> wires;
+};
+
+// With a camera that answers at once: the strobe is the pulse itself, stamped when it was driven.
+class EchoGpio : public FakeGpio {
+ public:
+  Result<std::unique_ptr<GpioLine>> request(const LineSpec& spec, LineUse use, const char* name) override {
+    if (spec.line != "camera") return FakeGpio::request(spec, use, name);
+    return std::make_unique<Camera>(*this);
+  }
+  std::atomic<bool> deaf{false};
+  std::function<void(const LineEdge&)> on_pulse;  // in the thread that drives it
+
+ private:
+  class Camera : public HeldLine {
+   public:
+    explicit Camera(EchoGpio& of) : HeldLine(of.wires["camera"]), of_(of), strobe_(of.wires["strobe"]) {}
+    Result<void> write(bool active) override {
+      const LineEdge edge{active, monotonic_us()};
+      if (!of_.deaf || !active) strobe_.edge(edge.active, edge.at_us);
+      if (of_.on_pulse) of_.on_pulse(edge);
+      return HeldLine::write(active);
+    }
+
+   private:
+    EchoGpio& of_;
+    Wire& strobe_;
+  };
 };
 
 inline LineSpec line(const char* name) { return {"chip", name, false, LineBias::kAsIs}; }

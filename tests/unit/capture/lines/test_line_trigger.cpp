@@ -1,4 +1,3 @@
-#include <atomic>
 #include <catch2/catch.hpp>
 #include <thread>
 
@@ -22,30 +21,6 @@ bool eventually(Condition condition) {
   }
   return true;
 }
-
-// A camera that answers at once: the strobe is the pulse itself, with the time at which it was driven.
-class EchoGpio : public FakeGpio {
- public:
-  Result<std::unique_ptr<GpioLine>> request(const LineSpec& spec, LineUse use, const char* name) override {
-    if (spec.line != "camera") return FakeGpio::request(spec, use, name);
-    return std::make_unique<Echo>(wires["camera"], wires["strobe"], deaf);
-  }
-  std::atomic<bool> deaf{false};
-
- private:
-  class Echo : public HeldLine {
-   public:
-    Echo(Wire& camera, Wire& strobe, std::atomic<bool>& deaf) : HeldLine(camera), strobe_(strobe), deaf_(deaf) {}
-    Result<void> write(bool active) override {
-      if (!deaf_ || !active) strobe_.edge(active, monotonic_us());
-      return HeldLine::write(active);
-    }
-
-   private:
-    Wire& strobe_;
-    std::atomic<bool>& deaf_;
-  };
-};
 
 protocol::Arm sequence() {
   protocol::Arm arm;
