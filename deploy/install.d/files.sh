@@ -5,6 +5,7 @@ at_boot=/etc/systemd/system/multi-user.target.wants/beltpickd.service
 configuration=/etc/beltpick/beltpickd.toml
 pristine=/usr/share/beltpick/beltpickd.toml
 manifest=/usr/share/beltpick/installed-files
+firmware_target=/usr/share/beltpick/firmware
 state=/var/lib/beltpick
 
 # Where a Debian package would put them: target, mode, source, why. A daemon belongs into sbin.
@@ -44,6 +45,18 @@ need_programs() {
   done
 }
 
+# What 'beltpick flash' gives the trigger box. It needs another compiler: who has none installs without.
+find_firmware() {
+  local name found=()
+  for name in trigger_atmega2560 trigger_atmega328p boot_atmega2560 boot_atmega328p; do
+    [ ! -f "$firmware/$name.hex" ] ||
+      found+=("$firmware_target/$name.hex|644|@firmware/$name.hex|for the trigger box, by 'beltpick flash'")
+  done
+  files+=("${found[@]}")
+  [ ${#found[@]} -gt 0 ] || say "no firmware for the trigger box in $firmware: none is put in place ('cmake --preset fw \
+&& cmake --build --preset fw' makes it)"
+}
+
 # place TARGET MODE SOURCE WHY: whole or not at all, and also over a program that runs.
 place() {
   local target=$tree$1 mode=$2 from=$3 why=$4
@@ -64,6 +77,7 @@ place_files() {
     IFS='|' read -r target mode from why <<<"$entry"
     case $from in
       @bin/*) from=$bin/${from#@bin/} ;;
+      @firmware/*) from=$firmware/${from#@firmware/} ;;
       *) from=$source_tree/$from ;;
     esac
     place "$target" "$mode" "$from" "$why"
@@ -146,6 +160,7 @@ remove_files() {
   remove_configuration
   remove "$pristine"
   remove "$manifest"
+  remove_folder "$firmware_target"
   remove_folder /usr/share/beltpick
   remove_folder /usr/share/doc/beltpick
 }

@@ -29,5 +29,6 @@ Run add_remove(CLI::App& app);
 Run add_status(CLI::App& app);
 Run add_doctor(CLI::App& app);
 Run add_tokens(CLI::App& app);
+Run add_flash(CLI::App& app);
 
 }  // namespace beltpick::cli

@@ -44,6 +44,7 @@ constexpr Command kCommands[] = {
     {"rollback", kAppliance, "make an older version current again", add_rollback},
     {"remove", kAppliance, "take a template or recipe out of use", add_remove},
     {"tokens", kAppliance, "who may do what there", add_tokens},
+    {"flash", kSetUp, "give the trigger microcontroller a firmware", add_flash},
     {"registers", kReference, "print the PLC's registers and the result codes", add_registers},
 };
 

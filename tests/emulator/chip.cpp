@@ -250,6 +250,8 @@ void Chip::power_cycle(std::uint32_t seed) {
   avr_regbit_set(avr_, avr_->reset_flags.porf);
 }
 
+std::uint8_t Chip::flash_byte(std::uint32_t at) const { return avr_->flash[at]; }
+
 std::size_t Chip::stack_bytes() const {
   std::size_t at = avr_->ramend;
   std::size_t untouched = 0;

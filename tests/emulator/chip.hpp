@@ -69,6 +69,7 @@ class Chip {
   void power_cycle(std::uint32_t seed);
   // CRC-16 over the program as it was loaded.
   [[nodiscard]] std::uint16_t flash_crc() const { return flash_crc_; }
+  [[nodiscard]] std::uint8_t flash_byte(std::uint32_t at) const;
   // RAM that the stack has used at most.
   [[nodiscard]] std::size_t stack_bytes() const;
 

@@ -37,9 +37,12 @@ void LiveChip::pump() {
   std::vector<std::uint8_t> sent = chip_.received();
   sent.resize(noise_out_.pass(sent.data(), sent.size()));
   if (!muted_) terminal_.write(sent.data(), sent.size());
+  bytes_moved_ += sent.size();
   std::uint8_t bytes[256];
   const std::size_t count = noise_in_.pass(bytes, terminal_.read(bytes, sizeof bytes));
-  if (count > 0 && !muted_) chip_.send({bytes, bytes + count});
+  if (count == 0 || muted_) return;
+  bytes_moved_ += count;
+  chip_.send({bytes, bytes + count});
 }
 
 }  // namespace emulator

@@ -27,6 +27,9 @@ class LiveChip {
   // Runs the chip up to now and moves what its serial line carries.
   void turn();
 
+  // How many bytes have gone over the line so far, both ways.
+  [[nodiscard]] std::uint64_t bytes_moved() const { return bytes_moved_; }
+
   // Damages this share of the bytes, each way.
   void set_noise(double share);
   // Cuts the serial line, or mends it.
@@ -42,6 +45,7 @@ class LiveChip {
   beltpick::host::LineNoise noise_in_{1};
   beltpick::host::LineNoise noise_out_{2};
   bool muted_ = false;
+  std::uint64_t bytes_moved_ = 0;
   Clock::time_point base_;  // when the chip's clock showed base_cycle_
   std::uint64_t base_cycle_;
 };

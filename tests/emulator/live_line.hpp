@@ -19,6 +19,8 @@ class LiveLine {
   [[nodiscard]] const std::string& tty() const { return chip_.tty(); }
   // The chip belongs to the thread; this stops it for as long as the lock is held.
   [[nodiscard]] std::unique_lock<std::mutex> hold() { return std::unique_lock(mutex_); }
+  // While it is held.
+  [[nodiscard]] LiveChip& live() { return chip_; }
 
  private:
   void run();

@@ -73,8 +73,12 @@ class Loader {
         break;
       case stk500::kLeaveProgramming:
         return !confirm();
+      case stk500::kGetSync:
+      case stk500::kEnterProgramming:
+        confirm();
+        break;
       default:
-        confirm();  // GET_SYNC and ENTER_PROGMODE; what is not known has no parameters
+        break;  // what is not known may be the rest of something that broke off
     }
     return true;
   }

@@ -21,6 +21,8 @@ extern "C" void beltpick_save_reset_cause() __attribute__((used, externally_visi
 extern "C" void beltpick_save_reset_cause() {
   cause = MCUSR;
   if (cause == 0) cause = beltpick::boot::saved_reset_cause();
+  // A board without the loader comes straight back from enter_loader(): its watchdog has not caught a hang.
+  if (beltpick::boot::loader_wish() == beltpick::boot::kLoaderWish) cause = beltpick::protocol::kResetExternal;
   MCUSR = 0;
   beltpick::avr::set_watchdog(beltpick::avr::kWatchdogOff);
 }
