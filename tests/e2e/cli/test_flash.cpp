@@ -124,7 +124,7 @@ TEST_CASE("an in-system programmer gets fuses, loader, firmware and lock in one 
 TEST_CASE("a virtual cell's stand-in has no flash", "[flash]") {
   Workshop shop;
   shop.avrdude_is("exit 1");
-  const host::Board board({.link = shop.name("trigger"), .belt_stopped = true});
+  const host::Board board({.link = shop.name("trigger"), .belt_stopped = true, .on_edge = nullptr});
   const Outcome outcome = shop.flash(shop.name("trigger_atmega328p.hex") + " --port " + shop.name("trigger"));
   CHECK(outcome.exit_code == 1);
   CHECK(outcome.err.find("stand-in") != std::string::npos);
@@ -133,7 +133,7 @@ TEST_CASE("a virtual cell's stand-in has no flash", "[flash]") {
 TEST_CASE("a beltpickd that holds the line is named, with what to do", "[flash]") {
   Workshop shop;
   shop.avrdude_is("exit 1");
-  const host::Board board({.link = shop.name("trigger"), .belt_stopped = true});
+  const host::Board board({.link = shop.name("trigger"), .belt_stopped = true, .on_edge = nullptr});
   const std::string daemon = shop.name("beltpickd");
   REQUIRE(std::system(("cp \"$(command -v sleep)\" " + daemon).c_str()) == 0);
   std::thread holder([&] {
