@@ -26,7 +26,10 @@ tty = "{tty}"
 [model]
 calibration = "{calibration}"
 cell = "{cell}/cell.json"
-recipes = ["{cell}/recipe.json"]
+recipes = ["{recipe}"]
+[projector]
+kind = "{projector}"
+device = "{projector_device}"
 [plc]
 address = "127.0.0.1"
 port = {port}
@@ -46,7 +49,12 @@ class Bench:
         self.bin, self.run = bin_folder, run
         self.values = {"camera": free_camera_address(11), "tty": run / "trigger", "cell": cell, "port": free_port(),
                        "calibration": cell / "calibration.json", "state": run / "state", "service_port": free_port(),
-                       "width": 640}
+                       "width": 640,
+                       "recipe": cell / "recipe.json", "projector": "edge", "projector_device": ""}
+        self.bright = run / "bright.json"
+        self.bright.write_text(json.dumps({
+            "format": "beltpick-recipe", "version": 1, "number": 1, "sequence": "fast", "exposure_us": 9000,
+            "settle_us": 1000, "period_us": 25000, "templates": [str(cell / "knuckle.template")]}))
         self.world = subprocess.Popen(
             [bin_folder / "beltpick", "simulate", "--live", "--rig", cell / "rig.toml", "--part", "knuckle", "--parts", "1",
              "--sequence", cell / "sequence.json", "--plc", f"127.0.0.1:{free_port()}", "--camera-address",
@@ -109,6 +117,16 @@ def each_fault(bench):
         expected = {"calibration", "models"} if "width" in changed else set()
         expect(f"failed besides the {name} with {changed}", bench.fails(name, said, **changed), expected)
     taken.close()
+    # A projector that is to be asked; without a state folder, whose store would keep the first recipe.
+    lightcrafter = {"projector": "lightcrafter4500", "recipe": bench.bright, "state": ""}
+    for said, changed in [
+        ("expected a LightCrafter 4500 on USB (0451:6401), found none", lightcrafter),
+        ("/dev/hidraw-none", lightcrafter | {"projector_device": "/dev/hidraw-none"}),
+        ("/dev/dri/none", lightcrafter | {"projector": "display", "projector_device": "/dev/dri/none"}),
+    ]:
+        expect(f"failed besides the projector with {changed}", bench.fails("projector", said, **changed), set())
+    # Square patterns are no flash images of a diamond lattice: the recipe cannot be run, there is nothing to show.
+    expect("failed besides the models", bench.fails("models", "diamond", projector="lightcrafter4500", state=""), set())
 
 
 def no_calibration(bench):

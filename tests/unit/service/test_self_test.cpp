@@ -41,6 +41,14 @@ SelfTestFacts good_cell() {
                    .belt_stopped = true,
                    .emergency_stop = false};
   facts.gpio = {true, DeviceState::kGood, {}, "1.6.3", "start: line 4 of gpiochip0, output, inactive"};
+  facts.projector = {.state = DeviceState::kGood,
+                     .problem = {},
+                     .by_edge_only = false,
+                     .has_sequence = true,
+                     .name = "LightCrafter 4500",
+                     .device = "/dev/hidraw0",
+                     .firmware = "4.0.0",
+                     .details = "12 patterns"};
   facts.plc_port = {PortState::kServedHere, "0.0.0.0", 502, "", true};
   facts.service_port = {PortState::kServedHere, "127.0.0.1", 8443, "", false};
   facts.state_folder = {true, "/var/lib/beltpick", true, true, "", 20'000'000'000};
@@ -119,6 +127,14 @@ const Fault kFaults[] = {
        f.gpio.problem = error(ResultCode::kLineInUse, "lines.start: held by 'gpiomon'; end that program");
      },
      "GPIO lines", Verdict::kFailed, "end that program"},
+    {"projector unplugged",
+     [](SelfTestFacts& f) {
+       f.projector.state = DeviceState::kFailed;
+       f.projector.problem = error(ResultCode::kProjectorLost, "projector: found none; check its USB cable and power");
+     },
+     "projector", Verdict::kFailed, "check its USB cable"},
+    {"projector hangs", [](SelfTestFacts& f) { f.projector.state = DeviceState::kNoAnswerYet; }, "projector",
+     Verdict::kFailed, "LightCrafter 4500"},
     {"no PLC", [](SelfTestFacts& f) { f.plc_port.connected = false; }, "PLC port", Verdict::kWarning, "PLC"},
     {"PLC port taken", [](SelfTestFacts& f) { f.plc_port.state = PortState::kTaken; }, "PLC port", Verdict::kFailed,
      ":502"},
@@ -172,7 +188,7 @@ const Fault kFaults[] = {
 TEST_CASE("a good cell is good in every check") {
   const SelfTestReport report = judge(good_cell());
   CHECK(report.worst() == Verdict::kGood);
-  CHECK(report.checks.size() == 17);
+  CHECK(report.checks.size() == 19);
   for (const Check& check : report.checks) {
     CAPTURE(check.name, check.found);
     CHECK(check.verdict == Verdict::kGood);
@@ -221,13 +237,23 @@ TEST_CASE("what is not configured is skipped") {
   }
 }
 
+TEST_CASE("a projector that only advances on an edge is good, one without a recipe is not judged") {
+  SelfTestFacts facts = good_cell();
+  facts.projector = {};
+  CHECK(find(judge(facts), "projector").verdict == Verdict::kGood);
+  facts.projector.by_edge_only = false;
+  CHECK(find(judge(facts), "projector").verdict == Verdict::kSkipped);
+  facts.projector.state = DeviceState::kHeldByDaemon;
+  CHECK(find(judge(facts), "projector").verdict == Verdict::kSkipped);
+}
+
 TEST_CASE("the report as text names every check that is not good with its remedy, and counts") {
   SelfTestFacts facts = good_cell();
   facts.realtime_allowed = false;
   const std::string table = self_test_table(judge(facts));
   CHECK(table.find("warning   real-time") != std::string::npos);
   CHECK(table.find("remedy: start it as the service") != std::string::npos);
-  CHECK(table.ends_with("16 good, 1 warning, 0 failed, 0 skipped\n"));
+  CHECK(table.ends_with("18 good, 1 warning, 0 failed, 0 skipped\n"));
   const std::string json = self_test_json(judge(facts));
   CHECK(json.find("\"worst\": \"warning\"") != std::string::npos);
 }
