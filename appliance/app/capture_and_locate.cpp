@@ -76,7 +76,7 @@ Result<void> CaptureAndLocate::capture(std::uint16_t number, const std::atomic<R
 
 Result<void> CaptureAndLocate::run_capture(FoldFrames& sink, const std::atomic<ResultCode>& cancel) {
   if (const auto begun = measure_.begin(); !begun) return begun;
-  if (const auto ready = to_.projector.begin(kProjectorReady_ms); !ready) return ready;
+  if (const auto ready = to_.projector.begin(kProjectorReady_ms, cancel); !ready) return ready;
   const auto report = run_.run(to_.hub.recipe().plan, sink, cancel);
   const auto well = to_.projector.end(!report && may_be_projector(report.error().code));
   if (!well) return well;

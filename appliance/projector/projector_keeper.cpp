@@ -16,6 +16,7 @@ using std::chrono::milliseconds;
 
 constexpr milliseconds kLookEvery{1000};
 constexpr milliseconds kRetryEvery{1000};
+constexpr milliseconds kStep{5};
 
 }  // namespace
 
@@ -48,20 +49,21 @@ void ProjectorKeeper::use(const ShowPlan& plan) {
   changed_.notify_all();
 }
 
-Result<void> ProjectorKeeper::begin(int timeout_ms) {
-  const auto until = std::chrono::steady_clock::now() + milliseconds(timeout_ms);
+Result<void> ProjectorKeeper::begin(int timeout_ms, const std::atomic<ResultCode>& cancel) {
+  const std::int64_t until_us = monotonic_us() + timeout_ms * 1000LL;
   std::unique_lock lock(mutex_);
-  const auto known = [&] {
-    return stopping_ || (!busy_ && (state_ == State::kReady || error_.code != ResultCode::kOk));
-  };
-  if (!changed_.wait_until(lock, until, known) || stopping_) {
-    return failure(ResultCode::kProjectorSilent, "projector: expected it to be ready within %d ms, found it busy",
-                   timeout_ms);
+  for (;;) {
+    const ResultCode wish = cancel;
+    if (wish != ResultCode::kOk) return failure(wish, "capture aborted while the projector got ready");
+    const std::int64_t now_us = monotonic_us();
+    if (!busy_ && state_ == State::kReady && now_us >= ready_us_) break;
+    if (!busy_ && error_.code != ResultCode::kOk) return std::unexpected(error_);
+    if (now_us > until_us) {
+      return failure(ResultCode::kProjectorSilent, "projector: expected it to be ready within %d ms, found it busy",
+                     timeout_ms);
+    }
+    changed_.wait_for(lock, kStep);
   }
-  if (state_ != State::kReady) return std::unexpected(error_);
-  const std::int64_t wait_us = ready_us_ - monotonic_us();
-  if (wait_us > 0) changed_.wait_for(lock, std::chrono::microseconds(wait_us), [&] { return stopping_; });
-  if (state_ != State::kReady) return std::unexpected(error_);
   state_ = State::kCapturing;
   return {};
 }

@@ -30,8 +30,9 @@ class ProjectorKeeper {
   void use(const ShowPlan& plan);
 
   // Called by the thread that captures; allocates nothing. Waits until the next advance shows the first pattern; from
-  // here to end() the projector is left alone. Errors: why it is not ready; kProjectorSilent after `timeout_ms`.
-  Result<void> begin(int timeout_ms);
+  // here to end() the projector is left alone. Errors: why it is not ready; kProjectorSilent after `timeout_ms`; what
+  // `cancel` says other than kOk.
+  Result<void> begin(int timeout_ms, const std::atomic<ResultCode>& cancel);
   // The capture is over, however it ended. With `doubt` the projector is asked whether it is its fault: its error.
   Result<void> end(bool doubt);
 

@@ -13,6 +13,8 @@ using namespace beltpick::projector;
 
 namespace {
 
+const std::atomic<ResultCode> kGoOn{ResultCode::kOk};
+
 // A projector whose every answer is set from outside.
 struct Fake {
   std::atomic<ResultCode> prepare{ResultCode::kOk}, start{ResultCode::kOk}, check{ResultCode::kOk};
@@ -57,20 +59,20 @@ TEST_CASE("A capture begins at the first pattern, and the next one too", "[keepe
     keeper.start();
     CHECK_FALSE(keeper.has_plan());
     CHECK(keeper.code() == ResultCode::kOk);
-    CHECK(keeper.begin(20).error().code == ResultCode::kProjectorSilent);
+    CHECK(keeper.begin(20, kGoOn).error().code == ResultCode::kProjectorSilent);
     keeper.use({});
     for (int capture = 1; capture <= 3; ++capture) {
       const auto from = std::chrono::steady_clock::now();
-      REQUIRE(keeper.begin(5000));
+      REQUIRE(keeper.begin(5000, kGoOn));
       if (capture > 1) CHECK(std::chrono::steady_clock::now() - from >= std::chrono::milliseconds(20));  // it loads
       CHECK(fake.started == capture);
       REQUIRE(keeper.end(false));
     }
     CHECK(fake.prepared == 1);
-    REQUIRE(keeper.begin(5000));
+    REQUIRE(keeper.begin(5000, kGoOn));
     REQUIRE(keeper.end(false));
     keeper.use({});
-    REQUIRE(keeper.begin(5000));
+    REQUIRE(keeper.begin(5000, kGoOn));
     CHECK(fake.prepared == 2);
     REQUIRE(keeper.end(false));
     CHECK(keeper.facts().name == "fake");
@@ -86,7 +88,7 @@ TEST_CASE("A projector that fails is told, closed and prepared anew until it is 
   keeper.start();
   REQUIRE(wait_until([&] { return keeper.tried(); }));
   CHECK(keeper.code() == ResultCode::kProjectorLost);
-  CHECK(keeper.begin(5000).error().code == ResultCode::kProjectorLost);
+  CHECK(keeper.begin(5000, kGoOn).error().code == ResultCode::kProjectorLost);
   fake.prepare = ResultCode::kOk;
   REQUIRE(wait_until([&] { return keeper.code() == ResultCode::kOk; }));
   fake.check = ResultCode::kProjectorFault;
@@ -101,9 +103,9 @@ TEST_CASE("A capture that looks as if the projector stood asks it", "[keeper]") 
   ProjectorKeeper keeper(std::make_unique<FakeProjector>(fake));
   keeper.use({});
   keeper.start();
-  REQUIRE(keeper.begin(5000));
+  REQUIRE(keeper.begin(5000, kGoOn));
   CHECK(keeper.end(true));
-  REQUIRE(keeper.begin(5000));
+  REQUIRE(keeper.begin(5000, kGoOn));
   fake.check = ResultCode::kProjectorFault;
   CHECK(keeper.end(true).error().code == ResultCode::kProjectorFault);
   fake.check = ResultCode::kOk;
@@ -111,12 +113,25 @@ TEST_CASE("A capture that looks as if the projector stood asks it", "[keeper]") 
   CHECK(fake.prepared >= 2);
 }
 
+TEST_CASE("A capture that is cancelled does not wait for the projector", "[keeper]") {
+  Fake fake;
+  ProjectorKeeper keeper(std::make_unique<FakeProjector>(fake));
+  keeper.start();  // without a sequence it is never ready
+  std::atomic<ResultCode> cancel{ResultCode::kOk};
+  std::thread person([&] {
+    std::this_thread::sleep_for(std::chrono::milliseconds(30));
+    cancel = ResultCode::kRobotInView;
+  });
+  CHECK(keeper.begin(60'000, cancel).error().code == ResultCode::kRobotInView);
+  person.join();
+}
+
 TEST_CASE("A projector that only advances on an edge is always ready", "[keeper]") {
   ProjectorKeeper keeper(std::make_unique<EdgeProjector>());
   keeper.start();
   keeper.use({});
   for (int i = 0; i < 20; ++i) {
-    REQUIRE(keeper.begin(5000));
+    REQUIRE(keeper.begin(5000, kGoOn));
     REQUIRE(keeper.end(i % 2 == 0));
   }
   CHECK_FALSE(keeper.leads());

@@ -22,6 +22,7 @@ using test::Dlpc350Gadget;
 
 namespace {
 
+const std::atomic<ResultCode> kGoOn{ResultCode::kOk};
 constexpr const char* kUdc = "/sys/kernel/config/usb_gadget/dlpc350/UDC";
 
 template <class Condition>
@@ -148,16 +149,16 @@ TEST_CASE("A projector that is pulled out is missed, and found again when it is 
   {
     Device device;
     REQUIRE(wait_until([&] { return keeper.code() == ResultCode::kOk; }));
-    REQUIRE(keeper.begin(5000));
+    REQUIRE(keeper.begin(5000, kGoOn));
     REQUIRE(keeper.end(false));
     unplug();
     REQUIRE(wait_until([&] { return keeper.code() == ResultCode::kProjectorLost; }));
     std::printf("%s\n", keeper.last_error().detail);
-    CHECK(keeper.begin(100).error().code == ResultCode::kProjectorLost);
+    CHECK(keeper.begin(100, kGoOn).error().code == ResultCode::kProjectorLost);
     device.rest();
   }
   Device device;
   REQUIRE(wait_until([&] { return keeper.code() == ResultCode::kOk; }));
-  REQUIRE(keeper.begin(5000));
+  REQUIRE(keeper.begin(5000, kGoOn));
   REQUIRE(keeper.end(false));
 }
