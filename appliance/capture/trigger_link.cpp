@@ -4,6 +4,7 @@
 #include <pthread.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
 
 #include "base/clock.hpp"
@@ -161,7 +162,10 @@ void TriggerLink::poll_firmware() {
 }
 
 bool TriggerLink::write_frame(const std::uint8_t* frame, std::size_t size) {
-  return fd_ >= 0 && ::write(fd_, frame, size) == static_cast<ssize_t>(size);
+  // A zero before it: a frame whose end the line lost does not take this one along.
+  std::uint8_t bytes[1 + protocol::kMaxFrame] = {};
+  std::copy_n(frame, size, bytes + 1);
+  return fd_ >= 0 && ::write(fd_, bytes, size + 1) == static_cast<ssize_t>(size + 1);
 }
 
 void TriggerLink::take_message() {

@@ -18,10 +18,10 @@
 namespace beltpick::capture {
 
 struct TriggerConfig {
-  std::string tty;     // e.g. /dev/ttyACM0
-  int poll_ms = 50;    // between two STATUS requests; they also tell the firmware that we live
-  int reply_ms = 100;  // for a reply, per try
-  int tries = 4;
+  std::string tty;    // e.g. /dev/ttyACM0
+  int poll_ms = 50;   // between two STATUS requests; they also tell the firmware that we live
+  int reply_ms = 40;  // for a reply, per try: what noise damaged is repeated before 100 ms are over
+  int tries = 10;
   int lost_ms = 500;  // without a good message the firmware is lost
 };
 

@@ -17,6 +17,11 @@ class LiveLine {
   LiveLine& operator=(const LiveLine&) = delete;
 
   [[nodiscard]] const std::string& tty() const { return chip_.tty(); }
+  // Damages this share of the line's bytes, each way.
+  void set_noise(double share) {
+    const auto held = hold();
+    chip_.set_noise(share);
+  }
   // The chip belongs to the thread; this stops it for as long as the lock is held.
   [[nodiscard]] std::unique_lock<std::mutex> hold() { return std::unique_lock(mutex_); }
   // While it is held.

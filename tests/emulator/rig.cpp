@@ -30,7 +30,9 @@ void Rig::on_edge(const PinEdge& edge) {
 
 void Rig::run_us(std::uint64_t us) {
   chip.run_us(us);
-  for (const std::uint8_t byte : chip.received()) {
+  std::vector<std::uint8_t> bytes = chip.received();
+  bytes.resize(noise_back.pass(bytes.data(), bytes.size()));
+  for (const std::uint8_t byte : bytes) {
     if (decoder_.push(byte) != protocol::FrameDecoder::Outcome::kMessage) continue;
     Message message;
     message.bytes.assign(decoder_.message(), decoder_.message() + decoder_.size());

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "emulator/chip.hpp"
+#include "host/line_noise.hpp"
 #include "protocol/messages.hpp"
 
 namespace emulator {
@@ -48,8 +49,9 @@ class Rig {
   bool strobes = true;  // the strobe wire is whole
   std::uint64_t strobe_rise_delay = 20 * kCyclesPerUs;
   std::uint64_t strobe_fall_delay = 25 * kCyclesPerUs;
-  std::vector<PinEdge> strobe_edges;  // as given to the board (the pin means nothing)
-  std::vector<Message> messages;      // all that came
+  std::vector<PinEdge> strobe_edges;        // as given to the board (the pin means nothing)
+  std::vector<Message> messages;            // all that came
+  beltpick::host::LineNoise noise_back{5};  // on what the firmware sends; none at first
 
   template <class Payload>
   void post(protocol::Type type, const Payload& payload) {

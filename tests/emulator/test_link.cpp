@@ -86,6 +86,24 @@ TEST_CASE("the appliance identifies the emulated board and runs a sequence to it
   CHECK(worst <= 4);
 }
 
+TEST_CASE("over a line that damages one byte in a hundred the appliance gets every request through", "[emulator]") {
+  Rig rig(Mcu::kAtmega328p);
+  LiveLine line(rig.chip);
+  line.set_noise(0.01);
+  capture::TriggerLink link({.tty = line.tty(), .lost_ms = 5000});
+  link.start();
+  REQUIRE(eventually([&] { return link.connected(); }));
+  for (int i = 0; i < 40; ++i) {
+    const auto id = link.arm(emulator::sequence(0, 2));
+    INFO("request " << i << ": " << (id ? "" : id.error().text()));
+    REQUIRE(id);
+    REQUIRE(link.abort());
+    REQUIRE(link.refresh_status());
+    CHECK(link.status().arm_id == *id);
+    CHECK(link.status().state == protocol::State::kIdle);
+  }
+}
+
 TEST_CASE("the appliance is told what goes wrong at the board, and finds the way out", "[emulator]") {
   Rig rig(Mcu::kAtmega328p);
   LiveLine line(rig.chip);

@@ -104,13 +104,16 @@ void Device::reply(const Header& header, Refusal refusal) {
   send(Type::kReply, header.sequence, message);
 }
 
+void Device::queue(uint8_t byte) { queue_[(queue_head_ + queue_count_++) % kQueueBytes] = byte; }
+
 // What does not fit is dropped whole: the host repeats its request.
 template <class Payload>
 void Device::send(Type type, uint8_t sequence, const Payload& payload) {
   uint8_t frame[protocol::kMaxOutgoingFrame];
   const size_t size = protocol::encode(type, sequence, payload, frame, sizeof frame);
-  if (size > static_cast<size_t>(kQueueBytes - queue_count_)) return;
-  for (size_t i = 0; i < size; ++i) queue_[(queue_head_ + queue_count_++) % kQueueBytes] = frame[i];
+  if (size + 1 > static_cast<size_t>(kQueueBytes - queue_count_)) return;
+  queue(0);  // a frame before it whose end was lost does not take this one along
+  for (size_t i = 0; i < size; ++i) queue(frame[i]);
 }
 
 template <class Event>

@@ -35,6 +35,7 @@ class Device {
   protocol::Refusal ask_for_loader();
   void reply(const protocol::Header& header, protocol::Refusal refusal);
   bool send_event();
+  void queue(uint8_t byte);
   template <class Payload>
   void send(protocol::Type type, uint8_t sequence, const Payload& payload);
   template <class Event>
