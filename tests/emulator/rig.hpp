@@ -53,11 +53,13 @@ class Rig {
   std::vector<Message> messages;            // all that came
   beltpick::host::LineNoise noise_back{5};  // on what the firmware sends; none at first
 
+  // Sends a request as the appliance does, a zero before it; its bytes on the wire.
   template <class Payload>
-  void post(protocol::Type type, const Payload& payload) {
-    std::uint8_t wire[protocol::kMaxFrame];
-    const std::size_t size = protocol::encode(type, ++sequence_, payload, wire, sizeof wire);
+  std::size_t post(protocol::Type type, const Payload& payload) {
+    std::uint8_t wire[1 + protocol::kMaxFrame] = {};
+    const std::size_t size = 1 + protocol::encode(type, ++sequence_, payload, wire + 1, protocol::kMaxFrame);
     chip.send({wire, wire + size});
+    return size;
   }
 
   // Sends a request and runs until its answer: within 100 ms.

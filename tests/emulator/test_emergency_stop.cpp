@@ -19,8 +19,10 @@ constexpr std::uint64_t kAhead = 8;  // cycles: longer than any instruction, so 
 
 struct Broken {};
 
-void demand(bool condition) {
-  if (!condition) throw Broken();
+void demand(bool condition, const char* what) {
+  if (condition) return;
+  std::fprintf(stderr, "broken: %s\n", what);
+  throw Broken();
 }
 
 bool is_pulse(const PinEdge& edge) { return edge.pin != Out::kFault && edge.pin != Out::kDone; }
@@ -32,7 +34,7 @@ std::uint64_t press(Rig& rig, std::uint64_t at, bool shortly) {
   rig.chip.run_until(at);
   const std::size_t edges_before = rig.edges.size();
   rig.run_us(10);
-  demand(rig.safe());
+  demand(rig.safe(), "outputs low within 10 us");
   std::uint64_t latest = 0;
   for (std::size_t i = edges_before; i < rig.edges.size(); ++i) {
     if (is_pulse(rig.edges[i]) && !rig.edges[i].level) latest = std::max(latest, rig.edges[i].cycle - at);
@@ -40,32 +42,30 @@ std::uint64_t press(Rig& rig, std::uint64_t at, bool shortly) {
   const std::size_t edges_after = rig.edges.size();
   rig.run_us(2500);  // beyond the next frame
   demand(std::none_of(rig.edges.begin() + static_cast<std::ptrdiff_t>(edges_after), rig.edges.end(),
-                      [](const PinEdge& edge) { return is_pulse(edge) && edge.level; }));
-  demand(rig.chip.level(Out::kFault));
-  demand(rig.status().fault == Fault::kEmergencyStop);
-  if (!shortly) demand(rig.request(Type::kClear, protocol::Empty()) == Refusal::kEmergencyStopPressed);
+                      [](const PinEdge& edge) { return is_pulse(edge) && edge.level; }),
+         "no further pulse");
+  demand(rig.chip.level(Out::kFault), "FAULT is high");
+  demand(rig.status().fault == Fault::kEmergencyStop, "the fault is told");
+  if (!shortly) {
+    demand(rig.request(Type::kClear, protocol::Empty()) == Refusal::kEmergencyStopPressed,
+           "CLEAR waits for the release");
+  }
   rig.chip.set_pin(In::kEmergencyStop, false);
   rig.run_us(1500);
-  demand(rig.request(Type::kClear, protocol::Empty()) == Refusal::kNone);
-  demand(rig.status().state == protocol::State::kIdle);
+  demand(rig.request(Type::kClear, protocol::Empty()) == Refusal::kNone, "CLEAR ends the fault");
+  demand(rig.status().state == protocol::State::kIdle, "idle");
   return latest;
-}
-
-// Lets the emulator run on to shortly before `at`, asking for STATUS all the while.
-void run_up_to(Rig& rig, std::uint64_t at) {
-  constexpr std::uint64_t kAskEvery = 700 * kCyclesPerUs;
-  while (rig.chip.cycle() + kAhead < at) {
-    const std::uint64_t now = rig.chip.cycle();
-    if (now / kAskEvery != (now + kAhead) / kAskEvery) rig.post(Type::kStatus, protocol::Empty());
-    rig.chip.run_until(std::min(at - kAhead, (now / kAskEvery + 1) * kAskEvery));
-  }
 }
 
 class Trials {
  public:
-  void press_at(Rig& rig, std::uint64_t cycle) {
+  explicit Trials(Rig& rig) : rig_(rig), ask_at_(rig.chip.cycle()) {}
+
+  // Of rising cycles.
+  void press_at(std::uint64_t cycle) {
+    run_up_to(cycle - kAhead);
     const bool shortly = ++trials_ % 3 == 0;
-    const auto latest = in_snapshot([&] { return press(rig, cycle, shortly); });
+    const auto latest = in_snapshot([&] { return press(rig_, cycle, shortly); });
     INFO("pressed at cycle " << cycle << (shortly ? ", shortly" : ""));
     REQUIRE(latest);
     worst_ = std::max(worst_, *latest);
@@ -78,6 +78,19 @@ class Trials {
   }
 
  private:
+  // Asks for STATUS all the while.
+  void run_up_to(std::uint64_t cycle) {
+    while (rig_.chip.cycle() < cycle) {
+      if (rig_.chip.cycle() >= ask_at_) {
+        rig_.post(Type::kStatus, protocol::Empty());
+        ask_at_ += 700 * kCyclesPerUs;
+      }
+      rig_.chip.run_until(std::min(cycle, ask_at_));
+    }
+  }
+
+  Rig& rig_;
+  std::uint64_t ask_at_;
   int trials_ = 0;
   std::uint64_t worst_ = 0;
 };
@@ -97,11 +110,10 @@ void sweep_two_frames(std::uint64_t stride) {
   auto arm = sequence(1, 2);
   arm.groups[0] = {2, 300, 700, 1500, 700, 0};
   const std::uint64_t busy = start(rig, arm);
-  Trials trials;
+  Trials trials(rig);
   // The first frame begins 1 ms after BUSY, the last period ends 4 ms after it.
   for (std::uint64_t delay = 4 * kAhead; delay < 4000 * kCyclesPerUs; delay += stride) {
-    run_up_to(rig, busy + delay);
-    trials.press_at(rig, busy + delay);
+    trials.press_at(busy + delay);
   }
   trials.report("cycles of two frames");
 }
@@ -119,11 +131,8 @@ void press_at_random(int instants, std::uint64_t seed) {
   std::vector<std::uint64_t> at;
   for (int i = 0; i < instants; ++i) at.push_back(busy + 4 * kAhead + random.below(523000 * kCyclesPerUs));
   std::sort(at.begin(), at.end());
-  Trials trials;
-  for (const std::uint64_t cycle : at) {
-    run_up_to(rig, cycle);
-    trials.press_at(rig, cycle);
-  }
+  Trials trials(rig);
+  for (const std::uint64_t cycle : at) trials.press_at(cycle);
   CHECK(rig.status().fault == Fault::kNone);
   trials.report("random instants of 128 frames");
 }

@@ -67,10 +67,10 @@ void Device::serve_start(const Header& header, uint32_t now_ticks) {
 void Device::serve_simple(const Header& header, uint32_t now_ticks) {
   switch (header.type) {
     case Type::kIdentify:
-      send(Type::kIdentity, header.sequence, identity_);
+      answer(Type::kIdentity, header.sequence, identity_);
       return;
     case Type::kStatus:
-      send(Type::kStatusReport, header.sequence, sequencer_.status(now_ticks));
+      answer(Type::kStatusReport, header.sequence, sequencer_.status(now_ticks));
       return;
     case Type::kAbort:
       sequencer_.abort();
@@ -101,17 +101,22 @@ void Device::reply(const Header& header, Refusal refusal) {
   protocol::Reply message;
   message.request = header.type;
   message.refusal = refusal;
-  send(Type::kReply, header.sequence, message);
+  answer(Type::kReply, header.sequence, message);
 }
 
 void Device::queue(uint8_t byte) { queue_[(queue_head_ + queue_count_++) % kQueueBytes] = byte; }
 
-// What does not fit is dropped whole: the host repeats its request.
+// An answer leaves room for an event, and what then does not fit is dropped whole: the host repeats its request, but
+// an event is told once.
+template <class Payload>
+void Device::answer(Type type, uint8_t sequence, const Payload& payload) {
+  if (room() >= 2 * kRoomOfFrame) send(type, sequence, payload);
+}
+
 template <class Payload>
 void Device::send(Type type, uint8_t sequence, const Payload& payload) {
   uint8_t frame[protocol::kMaxOutgoingFrame];
   const size_t size = protocol::encode(type, sequence, payload, frame, sizeof frame);
-  if (size + 1 > static_cast<size_t>(kQueueBytes - queue_count_)) return;
   queue(0);  // a frame before it whose end was lost does not take this one along
   for (size_t i = 0; i < size; ++i) queue(frame[i]);
 }
@@ -125,17 +130,21 @@ bool Device::send_pending(Type type) {
 }
 
 // Frames first: DONE and FAULT then tell the host that it has all of them.
-bool Device::send_event() {
-  return send_pending<protocol::FrameEvent>(Type::kFrameEvent) ||
-         send_pending<protocol::FaultEvent>(Type::kFaultEvent) || send_pending<protocol::DoneEvent>(Type::kDoneEvent) ||
-         send_pending<protocol::InputsEvent>(Type::kInputsEvent);
+void Device::send_event() {
+  if (room() < kRoomOfFrame) return;
+  static_cast<void>(
+      send_pending<protocol::FrameEvent>(Type::kFrameEvent) || send_pending<protocol::FaultEvent>(Type::kFaultEvent) ||
+      send_pending<protocol::DoneEvent>(Type::kDoneEvent) || send_pending<protocol::InputsEvent>(Type::kInputsEvent));
 }
 
+// Between two frames is soon enough for the next event, and asking for each byte would take the processor's time.
 bool Device::next_byte(uint8_t& byte) {
-  if (queue_count_ == 0 && !send_event()) return false;
+  if (queue_count_ == 0) send_event();
+  if (queue_count_ == 0) return false;
   byte = queue_[queue_head_];
   queue_head_ = static_cast<uint8_t>((queue_head_ + 1) % kQueueBytes);
   --queue_count_;
+  if (byte == 0) send_event();
   return true;
 }
 

@@ -19,14 +19,16 @@ class Device {
 
   void on_byte(uint8_t byte, uint32_t now_ticks);
 
-  // The next byte for the wire; false when there is none. An event leaves the sequencer only when the line is free.
+  // The next byte for the wire; false when there is none. An event leaves the sequencer as soon as there is room for
+  // it.
   bool next_byte(uint8_t& byte);
 
   // The host wants the boot loader, and has been told yes: time to go there.
   bool loader_due() const { return loader_wanted_ && queue_count_ == 0 && !sequencer_.running(); }
 
  private:
-  static constexpr uint8_t kQueueBytes = 128;
+  static constexpr uint8_t kQueueBytes = 128;                               // a power of two: no division
+  static constexpr uint8_t kRoomOfFrame = protocol::kMaxOutgoingFrame + 1;  // and the zero before it
 
   void serve(uint32_t now_ticks);
   void serve_arm(const protocol::Header& header);
@@ -34,7 +36,10 @@ class Device {
   void serve_simple(const protocol::Header& header, uint32_t now_ticks);
   protocol::Refusal ask_for_loader();
   void reply(const protocol::Header& header, protocol::Refusal refusal);
-  bool send_event();
+  void send_event();
+  template <class Payload>
+  void answer(protocol::Type type, uint8_t sequence, const Payload& payload);
+  uint8_t room() const { return static_cast<uint8_t>(kQueueBytes - queue_count_); }
   void queue(uint8_t byte);
   template <class Payload>
   void send(protocol::Type type, uint8_t sequence, const Payload& payload);
