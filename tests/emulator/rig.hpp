@@ -58,21 +58,20 @@ class Rig {
   std::size_t post(protocol::Type type, const Payload& payload) {
     std::uint8_t wire[1 + protocol::kMaxFrame] = {};
     const std::size_t size = 1 + protocol::encode(type, ++sequence_, payload, wire + 1, protocol::kMaxFrame);
-    chip.send({wire, wire + size});
+    posted_.assign(wire, wire + size);
+    chip.send(posted_);
     return size;
   }
 
-  // Sends a request and runs until its answer: within 100 ms.
+  // Sends a request, again every 40 ms as the appliance does, and runs until its answer.
   template <class Payload>
   Message ask(protocol::Type type, const Payload& payload) {
-    post(type, payload);
     const std::size_t before = messages.size();
-    for (int ms = 0; ms < 400; ++ms) {
+    post(type, payload);
+    for (int quarters_of_ms = 1; quarters_of_ms < 800; ++quarters_of_ms) {
+      if (quarters_of_ms % 160 == 0) chip.send(posted_);
       run_us(250);
-      for (std::size_t i = before; i < messages.size(); ++i) {
-        const bool reply = static_cast<std::uint8_t>(messages[i].header.type) < 0xA0;
-        if (reply && messages[i].header.sequence == sequence_) return messages[i];
-      }
+      if (const Message* found = answer_since(before)) return *found;
     }
     FAIL("no reply");
     return {};
@@ -99,11 +98,19 @@ class Rig {
   bool safe() const { return !chip.level(Out::kCamera) && !chip.level(Out::kProjector) && !chip.level(Out::kBusy); }
 
  private:
+  const Message* answer_since(std::size_t before) const {
+    for (std::size_t i = before; i < messages.size(); ++i) {
+      const bool reply = static_cast<std::uint8_t>(messages[i].header.type) < 0xA0;
+      if (reply && messages[i].header.sequence == sequence_) return &messages[i];
+    }
+    return nullptr;
+  }
   void connect();
   void on_edge(const PinEdge& edge);
 
   protocol::FrameDecoder decoder_;
   std::uint8_t sequence_ = 0;
+  std::vector<std::uint8_t> posted_;
 };
 
 // The largest distance of the edges from the armed sequence, in cycles, counted from the first advance; -1 when edges
