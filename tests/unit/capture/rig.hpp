@@ -57,9 +57,9 @@ class Cell {
     settings.exposure_began = [this](const virtual_cell::gige::Exposure& exposure) {
       const int led_page = page;
       shown_[exposure.trigger_number % shown_.size()] = led_page >= 0 ? static_cast<unsigned>(led_page) : pattern_;
-      board->set_strobe(true);
+      set_strobe(true);
     };
-    settings.exposure_ended = [this](const virtual_cell::gige::Exposure&) { board->set_strobe(false); };
+    settings.exposure_ended = [this](const virtual_cell::gige::Exposure&) { set_strobe(false); };
     auto opened = virtual_cell::gige::Camera::open(settings);
     REQUIRE(opened);
     camera = std::move(*opened);
@@ -69,13 +69,7 @@ class Cell {
         }});
   }
 
-  std::function<void(int)> on_pulse;  // of the sequence that runs, from 0; set while none does
-  std::atomic<int> page{-1};          // shown by a display, not by advance pulses, where it is not negative
-  std::atomic<int> slow_frame{-1};    // frames until one whose readout takes longer than anybody waits
-  std::unique_ptr<virtual_cell::gige::Camera> camera;
-  std::unique_ptr<host::Board> board;
-
- private:
+  // What an output of whoever triggers does: of the board, or of lines.
   void on_edge(const host::PinEdge& edge) {
     if (edge.pin == host::Pin::kBusy && edge.level) pattern_ = 0xFFFFFFFF;
     if (edge.pin == host::Pin::kProjectorAdvance && edge.level) ++pattern_;
@@ -83,6 +77,19 @@ class Cell {
     if (edge.pin != host::Pin::kCameraTrigger) return;
     if (edge.level && on_pulse) on_pulse(pulses_++);
     camera->line_edge(edge.level, edge.at_ns / 1000);
+  }
+
+  std::function<void(bool)> on_strobe;  // takes the strobe in the board's place
+  std::function<void(int)> on_pulse;    // of the sequence that runs, from 0; set while none does
+  std::atomic<int> page{-1};            // shown by a display, not by advance pulses, where it is not negative
+  std::atomic<int> slow_frame{-1};      // frames until one whose readout takes longer than anybody waits
+  std::unique_ptr<virtual_cell::gige::Camera> camera;
+  std::unique_ptr<host::Board> board;
+
+ private:
+  void set_strobe(bool active) {
+    if (on_strobe) return on_strobe(active);
+    board->set_strobe(active);
   }
 
   Sequence sequence_ = patterns::standard();

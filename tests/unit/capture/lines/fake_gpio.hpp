@@ -29,6 +29,7 @@ struct Wire {
   int holders = 0;
   int writes = 0;
   std::deque<LineEdge> edges;
+  std::function<void(const LineEdge&)> on_write;  // in the thread that drives the line
   int fd = ::eventfd(0, EFD_NONBLOCK | EFD_SEMAPHORE | EFD_CLOEXEC);
 
   ~Wire() { ::close(fd); }
@@ -62,10 +63,13 @@ class HeldLine : public GpioLine {
     return wire_.active;
   }
   Result<void> write(bool active) override {
-    const std::lock_guard lock(wire_.mutex);
-    if (wire_.gone) return failure(ResultCode::kLinesLost, "gone");
-    wire_.active = active;
-    ++wire_.writes;
+    {
+      const std::lock_guard lock(wire_.mutex);
+      if (wire_.gone) return failure(ResultCode::kLinesLost, "gone");
+      wire_.active = active;
+      ++wire_.writes;
+    }
+    if (wire_.on_write) wire_.on_write({active, monotonic_us()});
     return {};
   }
   Result<std::optional<LineEdge>> next_edge() override {
@@ -97,28 +101,14 @@ class FakeGpio : public Gpio {
 // With a camera that answers at once: the strobe is the pulse itself, stamped when it was driven.
 class EchoGpio : public FakeGpio {
  public:
-  Result<std::unique_ptr<GpioLine>> request(const LineSpec& spec, LineUse use, const char* name) override {
-    if (spec.line != "camera") return FakeGpio::request(spec, use, name);
-    return std::make_unique<Camera>(*this);
+  EchoGpio() {
+    wires["camera"].on_write = [this](const LineEdge& edge) {
+      if (!deaf || !edge.active) wires["strobe"].edge(edge.active, edge.at_us);
+      if (on_pulse) on_pulse(edge);
+    };
   }
   std::atomic<bool> deaf{false};
-  std::function<void(const LineEdge&)> on_pulse;  // in the thread that drives it
-
- private:
-  class Camera : public HeldLine {
-   public:
-    explicit Camera(EchoGpio& of) : HeldLine(of.wires["camera"]), of_(of), strobe_(of.wires["strobe"]) {}
-    Result<void> write(bool active) override {
-      const LineEdge edge{active, monotonic_us()};
-      if (!of_.deaf || !active) strobe_.edge(edge.active, edge.at_us);
-      if (of_.on_pulse) of_.on_pulse(edge);
-      return HeldLine::write(active);
-    }
-
-   private:
-    EchoGpio& of_;
-    Wire& strobe_;
-  };
+  std::function<void(const LineEdge&)> on_pulse;
 };
 
 inline LineSpec line(const char* name) { return {"chip", name, false, LineBias::kAsIs}; }
