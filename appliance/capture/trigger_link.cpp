@@ -116,7 +116,7 @@ void TriggerLink::close_tty(const char* why) {
 }
 
 void TriggerLink::close_silent() {
-  close_tty("the firmware does not answer");
+  close_tty("the firmware does not answer ('beltpick flash' gives a board its firmware)");
   if (!other_version_) return;
   const std::lock_guard lock(mutex_);
   error_ = failure(ResultCode::kTriggerLost,

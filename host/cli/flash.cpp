@@ -93,7 +93,7 @@ Json peer_json(const std::optional<flash::Peer>& peer) {
                             std::to_string(identity.firmware_patch)},
             {"protocol", peer->protocol_version}};
   json["mcu"] = peer->chip != nullptr ? Json(peer->chip->name) : Json(nullptr);
-  if (peer->protocol_version == protocol::kVersion) json["crc"] = crc_text(identity.flash_crc);
+  if (peer->speaks_our_protocol()) json["crc"] = crc_text(identity.flash_crc);
   return json;
 }
 
@@ -115,6 +115,11 @@ std::string done_text(const Firmware& firmware, const flash::UpdateReport& repor
   } else if (!report.after) {
     std::snprintf(text, sizeof text, "firmware %s written and read back in %.1f s; not asked: its line is not there\n",
                   version.c_str(), seconds);
+  } else if (!report.after->speaks_our_protocol()) {
+    std::snprintf(
+        text, sizeof text,
+        "firmware %s answers, after %.1f s; its protocol is version %u: a beltpickd of this version needs %u\n",
+        version.c_str(), seconds, unsigned{report.after->protocol_version}, unsigned{protocol::kVersion});
   } else {
     std::snprintf(text, sizeof text, "firmware %s (CRC %04X) answers, after %.1f s\n", version.c_str(),
                   unsigned{firmware.record.flash_crc}, seconds);

@@ -17,6 +17,8 @@ struct Peer {
   // Of a firmware. Of another version of the protocol only board and version are known.
   std::uint8_t protocol_version = protocol::kVersion;
   protocol::Identity identity;
+
+  [[nodiscard]] bool speaks_our_protocol() const { return protocol_version == protocol::kVersion; }
 };
 
 // The firmware, if it answers within `timeout_ms`.

@@ -11,13 +11,24 @@ constexpr int kFindMs = 6000;   // a board that resets when it is opened, with a
 constexpr int kEnterMs = 3000;  // from the firmware to its loader
 constexpr int kStartMs = 6000;  // from the loader to the new firmware
 
-bool is_this(const Peer& peer, const Firmware& firmware) {
+bool is_version(const Peer& peer, const Firmware& firmware) {
   const protocol::Identity& found = peer.identity;
   const boot::Record& wanted = firmware.record;
-  return !peer.is_loader && peer.chip == firmware.chip && peer.protocol_version == protocol::kVersion &&
-         found.flash_crc == wanted.flash_crc && found.flash_state != protocol::FlashState::kDamaged &&
-         (firmware.sealed_here || (found.firmware_major == wanted.major && found.firmware_minor == wanted.minor &&
-                                   found.firmware_patch == wanted.patch));
+  return firmware.sealed_here || (found.firmware_major == wanted.major && found.firmware_minor == wanted.minor &&
+                                  found.firmware_patch == wanted.patch);
+}
+
+bool is_this(const Peer& peer, const Firmware& firmware) {
+  return !peer.is_loader && peer.chip == firmware.chip && is_version(peer, firmware) && peer.speaks_our_protocol() &&
+         peer.identity.flash_crc == firmware.record.flash_crc &&
+         peer.identity.flash_state != protocol::FlashState::kDamaged;
+}
+
+// After avrdude has written the flash and read it back. A firmware of another version of the protocol cannot be asked
+// for its CRC: its version must do; the loader would not have started it damaged.
+bool has_arrived(const Peer& peer, const Firmware& firmware) {
+  return is_this(peer, firmware) ||
+         (!peer.is_loader && !peer.speaks_our_protocol() && peer.chip == firmware.chip && is_version(peer, firmware));
 }
 
 class LineUpdate {
@@ -41,7 +52,7 @@ class LineUpdate {
       const Result<void> written = run_avrdude(avrdude_command(job_), watcher_.percent);
       if (!written && written.error().code != ResultCode::kUpdateFailed) return std::unexpected(written.error());
       peer = written ? find_started() : find_peer(line_, kFindMs);
-      if (peer && is_this(*peer, firmware_)) {
+      if (peer && (written ? has_arrived(*peer, firmware_) : is_this(*peer, firmware_))) {
         report_.after = peer;
         return report_;
       }
@@ -130,7 +141,7 @@ std::string peer_text(const Peer& peer) {
   const protocol::Identity& identity = peer.identity;
   std::string text = "firmware " + std::to_string(identity.firmware_major) + "." +
                      std::to_string(identity.firmware_minor) + "." + std::to_string(identity.firmware_patch);
-  if (peer.protocol_version != protocol::kVersion) {
+  if (!peer.speaks_our_protocol()) {
     text += " (protocol version " + std::to_string(peer.protocol_version) + ")";
   }
   return text;
@@ -150,7 +161,7 @@ Result<UpdateReport> update_in_system(const Firmware& firmware, const AvrdudeJob
   }
   if (line == nullptr) return report;
   report.after = find_firmware(*line, kStartMs);
-  if (report.after && is_this(*report.after, firmware)) return report;
+  if (report.after && has_arrived(*report.after, firmware)) return report;
   return failure(ResultCode::kUpdateFailed,
                  "%s: expected the new firmware to answer, found %s; check the line and the board",
                  line->port().c_str(), report.after ? peer_text(*report.after).c_str() : "that nobody answers");
