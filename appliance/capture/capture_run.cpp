@@ -1,6 +1,7 @@
 #include "capture/capture_run.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "base/clock.hpp"
 #include "capture/frame_ids.hpp"
@@ -56,6 +57,7 @@ struct CaptureRun::Progress {
   int frames = 0;
   int strobes = 0;
   bool done = false;
+  int faulty_frame = -1;              // at which the trigger found fault
   unsigned generation = 0;            // of the camera
   std::uint32_t triggers_before = 0;  // camera pulses up to START
   std::int64_t started_us = monotonic_us();
@@ -72,17 +74,17 @@ Result<CaptureReport> CaptureRun::run(const CapturePlan& plan, FrameSink& sink, 
   if (!trigger_.connected()) return std::unexpected(trigger_.last_error());
   Result<CameraLease> lease = camera_.lease();
   if (!lease) return std::unexpected(lease.error());
-  Result<CaptureReport> report = run_with(*lease, plan, sink, cancel);
-  if (!report) return std::unexpected(recover(*lease, report.error()));
+  Progress progress(plan);
+  Result<CaptureReport> report = run_with(*lease, sink, cancel, progress);
+  if (!report) return std::unexpected(recover(*lease, report.error(), progress));
   return report;
 }
 
-Result<CaptureReport> CaptureRun::run_with(CameraLease& lease, const CapturePlan& plan, FrameSink& sink,
-                                           const std::atomic<ResultCode>& cancel) {
-  Progress progress(plan);
-  Result<void> done = start(lease, plan, progress);
+Result<CaptureReport> CaptureRun::run_with(CameraLease& lease, FrameSink& sink, const std::atomic<ResultCode>& cancel,
+                                           Progress& progress) {
+  Result<void> done = start(lease, progress.plan, progress);
   if (done) done = collect(lease, sink, cancel, progress);
-  if (done) done = check_.judge(plan.frames);
+  if (done) done = check_.judge(progress.plan.frames);
   if (!done) return std::unexpected(done.error());
   missing_in_a_row_ = 0;
   return CaptureReport{progress.frames, progress.last_frame_us - progress.started_us, progress.last_frame_us};
@@ -115,7 +117,8 @@ Result<void> CaptureRun::start(CameraLease& lease, const CapturePlan& plan, Prog
 // What a capture before left latched was told then. That the firmware was reset meanwhile is told now, once.
 Result<void> CaptureRun::clear_fault(Fault fault) {
   const Result<void> cleared = trigger_.clear();
-  if (!cleared || !protocol::from_start(fault)) return cleared;
+  const bool told = std::exchange(start_fault_told_, false);
+  if (!cleared || told || !protocol::from_start(fault)) return cleared;
   return fault_of(fault, protocol::kNoFrame);
 }
 
@@ -178,16 +181,22 @@ Result<void> CaptureRun::take_events(Progress& progress) {
     progress.moved_us = monotonic_us();
     if (event->type == Type::kFrameEvent && event->frame.arm_id == progress.arm_id) ++progress.strobes;
     if (event->type == Type::kDoneEvent && event->done.arm_id == progress.arm_id) progress.done = true;
-    if (event->type == Type::kFaultEvent) return fault_of(event->fault.fault, event->fault.frame);
+    if (event->type == Type::kFaultEvent) return found_fault(event->fault.fault, event->fault.frame, progress);
   }
   if (const Result<void> going_on = trigger_.going_on(); !going_on) return going_on;
   // An event that the wire lost still stands in the status.
   const protocol::StatusReport status = trigger_.status();
   const bool of_this = status.arm_id == progress.arm_id || protocol::from_start(status.fault);
   if (!of_this) return {};
-  if (status.state == State::kFault) return fault_of(status.fault, status.fault_frame);
+  if (status.state == State::kFault) return found_fault(status.fault, status.fault_frame, progress);
   if (status.state == State::kDone) progress.done = true;
   return {};
+}
+
+Result<void> CaptureRun::found_fault(Fault fault, unsigned frame, Progress& progress) {
+  if (frame != protocol::kNoFrame) progress.faulty_frame = static_cast<int>(frame);
+  start_fault_told_ = protocol::from_start(fault);
+  return fault_of(fault, frame);
 }
 
 Result<void> CaptureRun::look_around(CameraLease& lease, const std::atomic<ResultCode>& cancel, Progress& progress) {
@@ -218,28 +227,58 @@ Result<void> CaptureRun::judge_stall(const Progress& progress) {
 }
 
 // A camera that missed a pulse counts on from there without it: then the anchor is wrong.
-void CaptureRun::doubt_anchor(const Error& error) {
+bool CaptureRun::doubts_anchor(const Error& error) {
   if (error.code == ResultCode::kFrameMissing) ++missing_in_a_row_;
-  if (!is_strobe_fault(error.code) && error.code != ResultCode::kTriggerLost && missing_in_a_row_ < 2) return;
-  anchor_.reset();
-  missing_in_a_row_ = 0;
+  return is_strobe_fault(error.code) || error.code == ResultCode::kTriggerLost ||
+         error.code == ResultCode::kTriggerLineNoisy || missing_in_a_row_ >= 2;
 }
 
 // Leaves trigger and camera as the next capture needs them. A camera that exposes wrongly or sends nothing may be a
 // dead one: then that is the error to tell.
-Error CaptureRun::recover(CameraLease& lease, const Error& error) {
-  doubt_anchor(error);
+Error CaptureRun::recover(CameraLease& lease, const Error& error, const Progress& progress) {
   if (trigger_.connected()) static_cast<void>(trigger_.abort());
   const bool suspect = error.code == ResultCode::kFrameMissing || error.code == ResultCode::kFrameIncomplete ||
                        error.code == ResultCode::kCaptureTimeout || is_strobe_fault(error.code);
-  if (lease.lost() || (suspect && !lease.answers())) {
-    return failure(ResultCode::kCameraLost, "camera: does not answer (%.200s)", error.detail).error();
+  const bool doubt = doubts_anchor(error);
+  const bool dead = lease.lost() || (suspect && !lease.answers());
+  const bool exposed = !dead && swallow_late_frames(lease, doubt, progress);
+  if (doubt) {
+    anchor_.reset();
+    missing_in_a_row_ = 0;
   }
+  if (dead) return failure(ResultCode::kCameraLost, "camera: does not answer (%.200s)", error.detail).error();
+  return exposed ? error : without_exposure(error, progress);
+}
+
+// Until no frame is under way any more. True when that at which the trigger found fault came: it was exposed.
+bool CaptureRun::swallow_late_frames(CameraLease& lease, bool doubt, const Progress& progress) {
+  bool came = progress.frames > progress.faulty_frame;
   const std::int64_t until_us = monotonic_us() + kRecoverUs;
   while (monotonic_us() < until_us) {
-    const std::optional<Frame> late = lease.wait_frame(anchor_ ? kQuietUs : kQuietUnanchoredUs);
+    const std::optional<Frame> late = lease.wait_frame(anchor_ && !doubt ? kQuietUs : kQuietUnanchoredUs);
     if (!late) break;
+    came = came || index_of(*late, progress) >= progress.faulty_frame;
     lease.requeue(*late);
+  }
+  return came;
+}
+
+// What the strobe's fault comes to when the camera sent no frame either: the trigger's line is at fault, not the
+// strobe's.
+Error CaptureRun::without_exposure(const Error& error, const Progress& progress) {
+  if (error.code == code_of(Fault::kStrobeMissing)) {
+    return failure(ResultCode::kCameraNotTriggered,
+                   "trigger at frame %d: no strobe, and the camera sent no frame: it was not triggered; check the "
+                   "trigger line to the camera, and that the camera is armed on its line input",
+                   progress.faulty_frame)
+        .error();
+  }
+  if (error.code == code_of(Fault::kStrobeTooLong)) {
+    return failure(ResultCode::kTriggerLineStuck,
+                   "trigger at frame %d: the strobe goes on behind the pulse, and the camera sent no frame: it still "
+                   "exposes; check the trigger line to the camera for a short to its supply",
+                   progress.faulty_frame)
+        .error();
   }
   return error;
 }

@@ -42,25 +42,29 @@ class CaptureRun {
   // acknowledges. One that nobody was told of yet, of a reset of the firmware, fails this capture. After a failure the
   // outputs of the trigger are safe and late frames are swallowed, so that the next run starts clean.
   //
-  // Errors: kCameraLost, kCameraNotFound, kTriggerLost, kFrameMissing, kFrameIncomplete, kFrameWrongSize, kFrameBlack,
-  // kFrameDuplicated, kBeltMovedDuringCapture, kEmergencyStop, kCaptureTimeout, 200 + n, and whatever `cancel` said.
+  // Errors: kCameraLost, kCameraNotFound, kCameraNotTriggered, kTriggerLost, kTriggerLineNoisy, kTriggerLineStuck,
+  // kFrameMissing, kFrameIncomplete, kFrameWrongSize, kFrameBlack, kFrameDuplicated,
+  // kPatternRepeated, kBeltMovedDuringCapture, kEmergencyStop, kCaptureTimeout, 200 + n, and whatever `cancel` said.
   Result<CaptureReport> run(const CapturePlan& plan, FrameSink& sink, const std::atomic<ResultCode>& cancel);
 
  private:
   struct Progress;
 
-  Result<CaptureReport> run_with(CameraLease& lease, const CapturePlan& plan, FrameSink& sink,
-                                 const std::atomic<ResultCode>& cancel);
+  Result<CaptureReport> run_with(CameraLease& lease, FrameSink& sink, const std::atomic<ResultCode>& cancel,
+                                 Progress& progress);
   Result<void> start(CameraLease& lease, const CapturePlan& plan, Progress& progress);
   Result<void> clear_fault(protocol::Fault fault);
   Result<void> collect(CameraLease& lease, FrameSink& sink, const std::atomic<ResultCode>& cancel, Progress& progress);
   Result<void> take_frame(const Frame& frame, FrameSink& sink, Progress& progress);
   std::int64_t index_of(const Frame& frame, const Progress& progress);
   Result<void> take_events(Progress& progress);
+  Result<void> found_fault(protocol::Fault fault, unsigned frame, Progress& progress);
   Result<void> look_around(CameraLease& lease, const std::atomic<ResultCode>& cancel, Progress& progress);
   Result<void> judge_stall(const Progress& progress);
-  Error recover(CameraLease& lease, const Error& error);
-  void doubt_anchor(const Error& error);
+  Error recover(CameraLease& lease, const Error& error, const Progress& progress);
+  bool doubts_anchor(const Error& error);
+  bool swallow_late_frames(CameraLease& lease, bool doubt, const Progress& progress);
+  static Error without_exposure(const Error& error, const Progress& progress);
 
   Camera& camera_;
   TriggerSource& trigger_;
@@ -73,8 +77,9 @@ class CaptureRun {
     unsigned camera_generation = 0;
   };
   std::optional<Anchor> anchor_;
-  int missing_in_a_row_ = 0;  // captures with missing frames; two of them discredit the anchor
-  unsigned plan_number_ = 0;  // that the frame check learnt from
+  int missing_in_a_row_ = 0;       // captures with missing frames; two of them discredit the anchor
+  unsigned plan_number_ = 0;       // that the frame check learnt from
+  bool start_fault_told_ = false;  // a fault of the firmware's own start failed the capture before
 };
 
 }  // namespace beltpick::capture

@@ -77,9 +77,15 @@ Result<void> FrameCheck::judge(std::span<const FrameExpectation> expected) {
     }
   }
   for (std::size_t i = 1; i < expected.size(); ++i) {
-    if ((must_differ(i, expected) && same_as_before(looks_[i])) || identical(static_cast<int>(i))) {
+    if (identical(static_cast<int>(i))) {
+      return failure(ResultCode::kFrameDuplicated,
+                     "frame %zu of %zu: expected the next picture, found the one before once more; check camera and "
+                     "network",
+                     i, expected.size());
+    }
+    if (must_differ(i, expected) && same_as_before(looks_[i])) {
       return failure(
-          ResultCode::kFrameDuplicated,
+          ResultCode::kPatternRepeated,
           "frame %zu of %zu: expected the next pattern, found that of the frame before; check the projector's "
           "advance line",
           i, expected.size());

@@ -32,8 +32,8 @@ class FrameCheck {
   // The next frame of the capture; at least kBox pixels wide and high. Frames beyond max_frames are not looked at.
   void add(ImageView<const std::uint8_t> image);
 
-  // kFrameBlack or kFrameDuplicated with the frame's number, once all frames are added. `expected` tells of each what
-  // its pattern allows. A capture without fault becomes the reference of the next.
+  // kFrameBlack, kFrameDuplicated or kPatternRepeated with the frame's number, once all frames are added. `expected`
+  // tells of each what its pattern allows. A capture without fault becomes the reference of the next.
   Result<void> judge(std::span<const FrameExpectation> expected);
 
  private:

@@ -81,7 +81,7 @@ void TriggerLink::run() {
     }
     serve_line();
   }
-  close_tty("closed");
+  close_tty(lost("closed"));
 }
 
 bool TriggerLink::open_tty() {
@@ -96,13 +96,14 @@ bool TriggerLink::open_tty() {
   decoder_ = protocol::FrameDecoder();
   heard_us_ = monotonic_us();
   polled_us_ = 0;
+  damaged_when_heard_ = damaged_;
   identified_ = false;
   other_version_.reset();
   next_event_sequence_.reset();
   return true;
 }
 
-void TriggerLink::close_tty(const char* why) {
+void TriggerLink::close_tty(const Error& why) {
   const std::lock_guard lock(mutex_);
   connected_ = false;
   tried_ = true;
@@ -110,33 +111,46 @@ void TriggerLink::close_tty(const char* why) {
   inputs_changed_us_ = monotonic_us();
   if (fd_ >= 0) ::close(fd_);
   fd_ = -1;
-  error_ =
-      failure(ResultCode::kTriggerLost, "trigger %s: %s; check its cable and power", config_.tty.c_str(), why).error();
+  error_ = why;
   changed_.notify_all();
 }
 
-void TriggerLink::close_silent() {
-  close_tty("the firmware does not answer ('beltpick flash' gives a board its firmware)");
-  if (!other_version_) return;
-  const std::lock_guard lock(mutex_);
-  error_ = failure(ResultCode::kTriggerLost,
+Error TriggerLink::lost(const char* why) const {
+  return failure(ResultCode::kTriggerLost, "trigger %s: %s; check its cable and power", config_.tty.c_str(), why)
+      .error();
+}
+
+// Why nothing good comes from the firmware any more.
+Error TriggerLink::silent() const {
+  if (other_version_) {
+    return failure(ResultCode::kTriggerLost,
                    "trigger %s: expected protocol version %u, found %u; flash the matching firmware",
                    config_.tty.c_str(), unsigned{protocol::kVersion}, unsigned{*other_version_})
-               .error();
+        .error();
+  }
+  if (!noisy_since(damaged_when_heard_))
+    return lost("the firmware does not answer ('beltpick flash' gives a board its firmware)");
+  return failure(ResultCode::kTriggerLineNoisy,
+                 "trigger %s: nothing comes whole any more, %u damaged messages; check its cable, shield and ground",
+                 config_.tty.c_str(), damaged_ - damaged_when_heard_)
+      .error();
 }
+
+// What never was the firmware may be another device altogether.
+bool TriggerLink::noisy_since(unsigned damaged_before) const { return known_ && damaged_ != damaged_before; }
 
 // One turn of the link thread: at most a few milliseconds of waiting, so that polls and losses are punctual.
 void TriggerLink::serve_line() {
   pollfd line{fd_, POLLIN, 0};
   ::poll(&line, 1, 10);
   if ((line.revents & (POLLHUP | POLLERR | POLLNVAL)) != 0) {
-    close_tty("the line hung up");
+    close_tty(lost("the line hung up"));
     return;
   }
   if ((line.revents & POLLIN) != 0) read_bytes();
   const std::int64_t silent_us = monotonic_us() - heard_us_;
   if (silent_us > (connected_ ? config_.lost_ms * std::int64_t{1000} : kIdentifyPatienceUs)) {
-    close_silent();
+    close_tty(silent());
     return;
   }
   poll_firmware();
@@ -146,7 +160,9 @@ void TriggerLink::read_bytes() {
   std::uint8_t bytes[256];
   const ssize_t count = ::read(fd_, bytes, sizeof bytes);
   for (ssize_t i = 0; i < count; ++i) {
-    if (decoder_.push(bytes[i]) == protocol::FrameDecoder::Outcome::kMessage) take_message();
+    const protocol::FrameDecoder::Outcome outcome = decoder_.push(bytes[i]);
+    if (outcome == protocol::FrameDecoder::Outcome::kMessage) take_message();
+    if (outcome == protocol::FrameDecoder::Outcome::kDamaged) ++damaged_;
   }
 }
 
@@ -176,6 +192,7 @@ void TriggerLink::take_message() {
     return;
   }
   heard_us_ = monotonic_us();
+  damaged_when_heard_ = damaged_;
   if (header.type == Type::kReply) {
     take_reply(header);
   } else if (header.type == Type::kIdentity) {
@@ -205,6 +222,7 @@ void TriggerLink::take_identity() {
   protocol::Identity identity;
   if (!protocol::decode_payload(decoder_.message(), decoder_.size(), identity)) return;
   identified_ = true;
+  known_ = true;
   polled_us_ = 0;
   const std::lock_guard lock(mutex_);
   identity_ = identity;
@@ -279,6 +297,7 @@ Result<void> TriggerLink::request(Type type, const Payload& payload, const char*
 Result<Refusal> TriggerLink::exchange(const std::uint8_t* frame, std::size_t size, std::uint8_t sequence,
                                       const char* what) {
   std::unique_lock lock(mutex_);
+  const unsigned damaged_before = damaged_;
   pending_ = {true, sequence, std::nullopt};
   for (int attempt = 0; attempt < config_.tries && connected_ && !pending_.refusal; ++attempt) {
     write_frame(frame, size);
@@ -288,6 +307,11 @@ Result<Refusal> TriggerLink::exchange(const std::uint8_t* frame, std::size_t siz
   pending_.waiting = false;
   if (pending_.refusal) return *pending_.refusal;
   if (!connected_) return std::unexpected(error_);
+  if (noisy_since(damaged_before)) {
+    return failure(ResultCode::kTriggerLineNoisy,
+                   "trigger %s: no reply to %s in %d tries, and damaged messages; check its cable, shield and ground",
+                   config_.tty.c_str(), what, config_.tries);
+  }
   return failure(ResultCode::kTriggerLost, "trigger %s: no reply to %s in %d tries; check its cable and power",
                  config_.tty.c_str(), what, config_.tries);
 }

@@ -59,8 +59,10 @@ class TriggerLink : public TriggerSource {
 
   void run();
   bool open_tty();
-  void close_tty(const char* why);
-  void close_silent();
+  void close_tty(const Error& why);
+  [[nodiscard]] Error lost(const char* why) const;
+  [[nodiscard]] Error silent() const;
+  [[nodiscard]] bool noisy_since(unsigned damaged_before) const;
   void serve_line();
   void read_bytes();
   void poll_firmware();
@@ -85,6 +87,8 @@ class TriggerLink : public TriggerSource {
   std::atomic<std::uint8_t> inputs_{0};
   std::atomic<std::int64_t> inputs_changed_us_{0};
   std::atomic<unsigned> events_lost_{0};
+  std::atomic<unsigned> damaged_{0};  // frames that came, but not whole
+  std::atomic<bool> known_{false};    // the firmware was identified once
   std::atomic<std::uint8_t> sequence_{0};
   Ring<TriggerEvent, 256> events_;
 
@@ -92,6 +96,7 @@ class TriggerLink : public TriggerSource {
   protocol::FrameDecoder decoder_;
   std::int64_t heard_us_ = 0;
   std::int64_t polled_us_ = 0;
+  unsigned damaged_when_heard_ = 0;
   bool identified_ = false;
   std::optional<std::uint8_t> other_version_;  // of the protocol, as the firmware speaks it
   std::optional<std::uint8_t> next_event_sequence_;

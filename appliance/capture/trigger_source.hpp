@@ -43,7 +43,7 @@ class TriggerSource {
 
   // True while it can be used.
   [[nodiscard]] virtual bool connected() const = 0;
-  // Why it is not: kTriggerLost with the reason.
+  // Why it is not: kTriggerLost or kTriggerLineNoisy with the reason.
   [[nodiscard]] virtual Error last_error() const = 0;
   // True once it is known whether it can be used.
   [[nodiscard]] virtual bool tried() const = 0;

@@ -72,13 +72,13 @@ TEST_CASE("stragglers of a failed capture are not taken for frames of the next",
   CHECK(next == ResultCode::kOk);
 }
 
-TEST_CASE("a missed projector advance is a duplicated frame", "[capture run]") {
+TEST_CASE("a missed projector advance is a repeated pattern", "[capture run]") {
   Cell cell;
   Appliance appliance(cell);
   cell.on_pulse = [&](int pulse) {
     if (pulse == 3) cell.board->drop_projector_advances(1);
   };
-  CHECK(appliance.capture() == ResultCode::kFrameDuplicated);
+  CHECK(appliance.capture() == ResultCode::kPatternRepeated);
   cell.on_pulse = {};
   appliance.on_frame = {};
   CHECK(appliance.capture() == ResultCode::kOk);
@@ -114,7 +114,17 @@ TEST_CASE("interlocks abort the capture with their code, and nothing is left beh
   }
   SECTION("camera pulse cut") {
     cell.board->drop_camera_pulses(1);
+    CHECK(appliance.capture() == ResultCode::kCameraNotTriggered);
+  }
+  SECTION("strobe cut: the camera's frame tells that it was exposed") {
+    cell.board->drop_strobes(1);
     CHECK(static_cast<int>(appliance.capture()) == 201);
+  }
+  SECTION("the firmware hangs") {
+    cell.on_pulse = [&](int pulse) {
+      if (pulse == 4) cell.board->hang();
+    };
+    CHECK(static_cast<int>(appliance.capture()) == 212);
   }
   cell.on_pulse = {};
   appliance.on_frame = {};

@@ -107,7 +107,7 @@ TEST_CASE("a missed advance is found at the frame that repeats", "[frame check]"
       REQUIRE(lab.judge(as_armed, {.gain = gain}) == ResultCode::kOk);
       const ResultCode code = lab.judge([&](int i) { return i < missed ? i : i - 1; }, {.gain = gain});
       INFO(gain << " " << missed << " " << lab.text_);
-      CHECK(code == ResultCode::kFrameDuplicated);
+      CHECK(code == ResultCode::kPatternRepeated);
       CHECK(lab.text_.find("frame " + std::to_string(missed) + " ") == 0);
     }
   }

@@ -138,6 +138,22 @@ TEST_CASE("a mute line is a lost trigger with unsafe inputs, and comes back by i
   CHECK(link.abort());
 }
 
+TEST_CASE("a line over which nothing comes whole is noisy, not lost, and comes back by itself", "[trigger link]") {
+  Bench bench;
+  capture::TriggerLink link({.tty = bench.tty});
+  link.start();
+  REQUIRE(eventually([&] { return link.connected(); }));
+  const auto armed = link.arm(Bench::sequence(500));
+  REQUIRE(armed);
+  REQUIRE(link.start_sequence(*armed));
+  bench.board->set_noise(0.5);
+  REQUIRE(eventually([&] { return !link.connected(); }));
+  CHECK(link.last_error().code == ResultCode::kTriggerLineNoisy);
+  bench.board->set_noise(0.0);
+  REQUIRE(eventually([&] { return link.connected(); }));
+  CHECK(link.abort());
+}
+
 TEST_CASE("a board that was powered off is found again at its new tty", "[trigger link]") {
   Bench bench;
   capture::TriggerLink link({.tty = bench.tty});
