@@ -3,6 +3,7 @@
 #include <poll.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <filesystem>
 #include <mutex>
@@ -190,4 +191,33 @@ TEST_CASE("the link names the tty while the board lives", "[host]") {
     CHECK(std::filesystem::read_symlink(link) == board.tty());
   }
   CHECK_FALSE(std::filesystem::exists(std::filesystem::symlink_status(link)));
+}
+
+TEST_CASE("a board that hangs is reset by its watchdog, says so once, and works again") {
+  Cell cell;
+  cell.board.hang();
+  protocol::FaultEvent fault;
+  REQUIRE(cell.await(protocol::Type::kFaultEvent, fault));
+  CHECK(fault.fault == protocol::Fault::kWatchdogReset);
+  protocol::Reply reply;
+  cell.send(protocol::Type::kClear, protocol::Empty());
+  REQUIRE(cell.await(protocol::Type::kReply, reply));
+  CHECK(reply.refusal == protocol::Refusal::kNone);
+  CHECK(cell.run(1, 3) == protocol::Refusal::kNone);
+}
+
+TEST_CASE("noise flips and drops its share of the bytes, and no more") {
+  host::LineNoise noise(7);
+  std::vector<std::uint8_t> bytes(10'000, 0x55);
+  CHECK(noise.pass(bytes.data(), bytes.size()) == bytes.size());
+  noise.set_share(0.02);
+  const std::size_t left = noise.pass(bytes.data(), bytes.size());
+  bytes.resize(left);
+  const auto flipped = static_cast<std::size_t>(
+      std::count_if(bytes.begin(), bytes.end(), [](std::uint8_t byte) { return byte != 0x55; }));
+  const std::size_t dropped = 10'000 - left;
+  CHECK(dropped > 60);
+  CHECK(dropped < 140);
+  CHECK(flipped > 60);
+  CHECK(flipped < 140);
 }

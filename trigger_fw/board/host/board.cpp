@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <chrono>
 #include <ctime>
 #include <system_error>
 
@@ -24,11 +25,13 @@ std::uint8_t input_bits(const BoardOptions& options) {
                                    (options.emergency_stop ? protocol::kInputEmergencyStop : 0));
 }
 
-protocol::Identity identity() {
+constexpr std::chrono::milliseconds kWatchdog(256);  // as on the microcontrollers
+
+protocol::Identity identity(std::uint8_t reset_cause = protocol::kResetPowerOn) {
   protocol::Identity identity;
   identity.board = protocol::BoardKind::kHost;
   identity.firmware_minor = 2;
-  identity.reset_cause = protocol::kResetPowerOn;
+  identity.reset_cause = reset_cause;
   return identity;
 }
 
@@ -119,12 +122,20 @@ protocol::StatusReport Board::status() {
 // What a request or an input changed is published before a deadline is served: no edge may hide behind the next one.
 void Board::run() {
   while (!stopping_) {
+    if (hang_wanted_.exchange(false)) hang_and_restart();
     receive();
     publish(false);
     publish(true);
     transmit();
     wait();
   }
+}
+
+// The outputs stay as they are meanwhile, as those of a microcontroller do.
+void Board::hang_and_restart() {
+  std::this_thread::sleep_for(kWatchdog);
+  const std::lock_guard lock(mutex_);
+  device_ = core::Device(identity(protocol::kResetWatchdog), inputs_, core_ticks(raw_ticks()));
 }
 
 // Hands the edges of the output pins to the callback, without the lock; first serves what is due, if so asked.
@@ -171,7 +182,8 @@ void Board::emit(Pin pin, bool level, std::uint32_t board_us) {
 
 void Board::receive() {
   std::uint8_t bytes[256];
-  const std::size_t count = terminal_.read(bytes, sizeof bytes);
+  noise_.set_share(noise_share_);
+  const std::size_t count = noise_.pass(bytes, terminal_.read(bytes, sizeof bytes));
   if (count == 0 || muted_) return;
   const std::lock_guard lock(mutex_);
   for (std::size_t i = 0; i < count; ++i) device_.on_byte(bytes[i], core_ticks(board_ticks()));
@@ -184,6 +196,7 @@ void Board::transmit() {
     const std::lock_guard lock(mutex_);
     while (count < sizeof bytes && device_.next_byte(bytes[count])) ++count;
   }
+  count = noise_.pass(bytes, count);
   if (!muted_) terminal_.write(bytes, count);
 }
 

@@ -21,6 +21,7 @@
 #include <thread>
 
 #include "core/device.hpp"
+#include "host/line_noise.hpp"
 #include "host/pin_edge.hpp"
 #include "host/pseudo_terminal.hpp"
 
@@ -52,6 +53,8 @@ class Board {
 
   // Fault switches; from any thread.
   void mute(bool muted) { muted_ = muted; }                               // the serial line is cut, both ways
+  void set_noise(double share) { noise_share_ = share; }                  // of its bytes are damaged, each way
+  void hang() { hang_wanted_ = true; }                                    // until the watchdog's reset
   void drop_strobes(int count) { strobes_to_drop_ = count; }              // the next ones do not reach the board
   void drop_camera_pulses(int count) { pulses_to_drop_ = count; }         // the next ones do not reach the camera
   void drop_projector_advances(int count) { advances_to_drop_ = count; }  // the next ones do not reach the projector
@@ -66,6 +69,7 @@ class Board {
   };
 
   void run();
+  void hang_and_restart();
   void wait();
   void publish(bool serving);
   std::int64_t serve();
@@ -95,7 +99,11 @@ class Board {
   bool pulse_cut_ = false;
   bool advance_cut_ = false;
 
+  LineNoise noise_{1};
+
   std::atomic<bool> muted_{false};
+  std::atomic<bool> hang_wanted_{false};
+  std::atomic<double> noise_share_{0.0};
   std::atomic<int> strobes_to_drop_{0};
   std::atomic<int> pulses_to_drop_{0};
   std::atomic<int> advances_to_drop_{0};
