@@ -42,7 +42,7 @@ Json fault_json(const virtual_cell::FaultRecord& record) {
   for (const std::uint16_t code : record.codes) codes.push_back(code_name(code));
   return {{"fault", std::string(entry.name)},
           {"view", record.view},
-          {"expected", std::string(result_code_name(entry.expected))},
+          {"expected", code_name(static_cast<std::uint16_t>(entry.expected))},
           {"codes", codes},
           {"answered", record.answered},
           {"recovered", record.recovered}};

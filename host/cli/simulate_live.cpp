@@ -14,8 +14,10 @@
 #include "contract_io/file_io.hpp"
 #include "contract_io/image_io.hpp"
 #include "live_report.hpp"
+#include "live_switches.hpp"
 #include "options.hpp"
 #include "virtual_cell/render/scene.hpp"
+#include "virtual_cell/world/emulator_files.hpp"
 #include "virtual_cell/world/live_world.hpp"
 #include "virtual_cell/world/plc_program.hpp"
 
@@ -54,6 +56,15 @@ Result<FaultPlan> make_plan(const LiveOptions& options, std::uint64_t seed) {
   return plan;
 }
 
+Result<TriggerBoardChoice> choose_board(const LiveOptions& options) {
+  if (options.board == "emulated") {
+    std::error_code ignored;
+    return find_emulator(std::filesystem::read_symlink("/proc/self/exe", ignored).parent_path(), options.firmware);
+  }
+  if (options.firmware.empty()) return TriggerBoardChoice{};
+  return failure(ResultCode::kUsage, "--firmware: goes with --board emulated only");
+}
+
 LiveWorldSettings world_settings(const LiveOptions& options, LiveCell cell) {
   LiveWorldSettings settings;
   settings.rig = cell.rig;
@@ -90,11 +101,22 @@ void add_live_options(CLI::App& app, LiveOptions& options) {
   app.add_option("--faults", options.faults, "live: share of the belt's stops that a fault hits (default 0)")
       ->check(CLI::Range(0.0, 1.0));
   app.add_option("--fault", options.named_faults, "live: NAME or NAME@STOP (from 0): " + fault_names());
+  app.add_option(
+         "--switches", options.switches,
+         "live: make a FIFO here; a line with the name of a device's fault, or e-stop, breaks it, 'mend' mends all")
+      ->type_name("FIFO");
   app.add_option("--plc", options.plc, "live: the appliance's Modbus server (default 127.0.0.1:1502)")
       ->type_name("HOST:PORT");
   app.add_option("--camera-address", options.camera, "live: loopback address of the camera (default 127.0.0.1)");
   app.add_option("--serial", options.serial, "live: serial number of the camera (default BP0001)");
   app.add_option("--trigger", options.trigger, "live: where the trigger board's tty is linked to");
+  app.add_option(
+         "--board", options.board,
+         "live: what the trigger board is: emulated, the firmware's real ELF in an emulated microcontroller, or "
+         "host, its core on this PC (default host)")
+      ->check(CLI::IsMember({"emulated", "host"}));
+  app.add_option("--firmware", options.firmware, "live: the ELF that the emulated board runs (default: as built)")
+      ->type_name("ELF");
   app.add_option("--report", options.report, "live: write the report to this file")->type_name("FILE");
   app.add_option("--pictures", options.pictures, "live: folder for a picture of every stop")->type_name("DIR");
   app.add_option("--wait", options.wait_s, "live: seconds to wait for the appliance (default 60)");
@@ -108,16 +130,26 @@ Result<void> run_live(const LiveOptions& options, LiveCell cell, Session& sessio
   if (!address) return std::unexpected(address.error());
   auto plan = make_plan(options, cell.seed);
   if (!plan) return std::unexpected(plan.error());
+  auto board = choose_board(options);
+  if (!board) return std::unexpected(board.error());
   if (!options.pictures.empty()) {
     if (auto made = contract_io::make_folder(options.pictures); !made) return made;
   }
   std::signal(SIGINT, want_stop);
   std::signal(SIGTERM, want_stop);
   const Rig rig = cell.rig;
-  auto world = LiveWorld::start(world_settings(options, std::move(cell)));
+  LiveWorldSettings settings = world_settings(options, std::move(cell));
+  settings.board = std::move(*board);
+  auto world = LiveWorld::start(std::move(settings));
   if (!world) return std::unexpected(world.error());
   std::fprintf(stderr, "virtual cell: camera %s at %s, trigger board at %s\n", options.serial.c_str(),
                options.camera.c_str(), options.trigger.c_str());
+  std::unique_ptr<LiveSwitches> switches;
+  if (!options.switches.empty()) {
+    auto opened = LiveSwitches::open(options.switches, **world);
+    if (!opened) return std::unexpected(opened.error());
+    switches = std::move(*opened);
+  }
   auto link = PlcLink::connect(address->host, address->port, options.wait_s * 1000);
   if (!link) return std::unexpected(link.error());
 

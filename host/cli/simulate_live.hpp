@@ -23,8 +23,11 @@ struct LiveOptions {
   std::string camera = "127.0.0.1";
   std::string serial = "BP0001";
   std::string trigger = "/tmp/beltpick-trigger";
+  std::string board = "host";
+  std::string firmware;
   std::string report;
   std::string pictures;
+  std::string switches;
   int wait_s = 60;
   int linger_s = 0;
   double speed = 1.0;

@@ -15,6 +15,13 @@ std::string fault_names() {
   return names;
 }
 
+const CellFaultEntry* find_fault(std::string_view name) {
+  for (const CellFaultEntry& entry : kCellFaults) {
+    if (entry.name == name) return &entry;
+  }
+  return nullptr;
+}
+
 Result<void> FaultPlan::add(std::string_view text) {
   const std::size_t at = text.find('@');
   const std::string_view name = text.substr(0, at);
@@ -25,9 +32,8 @@ Result<void> FaultPlan::add(std::string_view text) {
     const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), cycle);
     number_good = error == std::errc{} && end == digits.data() + digits.size() && cycle >= 0;
   }
-  for (const CellFaultEntry& entry : kCellFaults) {
-    if (entry.name != name || !number_good) continue;
-    named_[cycle] = entry.fault;
+  if (const CellFaultEntry* entry = find_fault(name); entry != nullptr && number_good) {
+    named_[cycle] = entry->fault;
     return {};
   }
   return failure(ResultCode::kUsage, "fault '%.*s': expected NAME or NAME@CYCLE with NAME one of %s",

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <chrono>
-#include <exception>
 #include <thread>
 #include <utility>
 
@@ -18,6 +17,8 @@ constexpr double kRobotRetreat_s = 0.2;
 constexpr double kBeltSpeed_mm_s = 20.0;  // of a belt that moves when it must not
 constexpr double kBeltSlip_mm = 15.0;     // how far it gets at most
 constexpr double kPacketLoss = 0.01;
+constexpr double kLineNoise = 0.01;   // of the serial line's bytes, on a bad cable
+constexpr double kLineGarble = 0.25;  // and on one over which nothing comes whole
 
 }  // namespace
 
@@ -36,7 +37,14 @@ LiveWorld::LiveWorld(LiveWorldSettings settings)
       projector_(settings_.sequence),
       random_(settings_.seed, 0x11fe),
       renderer_(settings_.rig, settings_.parts, settings_.render),
-      belt_changed_us_(monotonic_us()) {}
+      belt_changed_us_(monotonic_us()),
+      camera_line_([this](bool level, std::int64_t at_us) { camera_->line_edge(level, at_us); }),
+      projector_line_([this](bool level, std::int64_t) {
+        if (level) projector_.advance();
+      }),
+      strobe_line_([this](bool level, std::int64_t) {
+        if (board_ != nullptr) board_->set_strobe(level);
+      }) {}
 
 Result<void> LiveWorld::power_up() {
   place();
@@ -45,39 +53,31 @@ Result<void> LiveWorld::power_up() {
   camera.address = settings_.camera_address;
   camera.fill = [this](ImageView<std::uint8_t> image, const gige::Exposure& exposure) { fill(image, exposure); };
   camera.exposure_began = [this](const gige::Exposure& exposure) { on_exposure_began(exposure); };
-  camera.exposure_ended = [this](const gige::Exposure&) {
-    if (board_ != nullptr) board_->set_strobe(false);
-  };
+  camera.exposure_ended = [this](const gige::Exposure& exposure) { strobe_line_.drive(false, exposure.end_us); };
   auto opened = gige::Camera::open(std::move(camera));
   if (!opened) return std::unexpected(opened.error());
   camera_ = std::move(*opened);
-  try {
-    board_ = std::make_unique<host::Board>(
-        host::BoardOptions{.link = settings_.trigger_link,
-                           .belt_stopped = true,
-                           .emergency_stop = false,
-                           .on_edge = [this](const host::PinEdge& edge) { on_board_edge(edge); }});
-  } catch (const std::exception& error) {
-    return failure(ResultCode::kServiceUnreachable,
-                   "virtual trigger board: %s; check that pseudo-terminals are to be had", error.what());
-  }
+  auto board = make_trigger_board(settings_.board, settings_.trigger_link,
+                                  [this](const host::PinEdge& edge) { on_board_edge(edge); });
+  if (!board) return std::unexpected(board.error());
+  board_ = std::move(*board);
   return {};
 }
 
 void LiveWorld::on_board_edge(const host::PinEdge& edge) {
   if (edge.pin == host::Pin::kBusy && edge.level) projector_.rewind();
-  if (edge.pin == host::Pin::kProjectorAdvance && edge.level) projector_.advance();
+  if (edge.pin == host::Pin::kProjectorAdvance) projector_line_.drive(edge.level, edge.at_ns / 1000);
   if (edge.pin != host::Pin::kCameraTrigger) return;
   if (edge.level) {
     pulse_rise_us_ = edge.at_ns / 1000;
     pulse_rise_board_us_ = edge.board_us;
   }
   // The pulse is as long as the board made it, however late this thread was.
-  camera_->line_edge(edge.level, pulse_rise_us_ + (edge.board_us - pulse_rise_board_us_));
+  camera_line_.drive(edge.level, pulse_rise_us_ + (edge.board_us - pulse_rise_board_us_));
 }
 
 void LiveWorld::on_exposure_began(const gige::Exposure& exposure) {
-  if (board_ != nullptr) board_->set_strobe(true);
+  strobe_line_.drive(true, exposure.start_us);
   ++exposures_;
   const std::scoped_lock lock(belt_mutex_);
   const double since_stop_s = belt_moving_ ? 0.0 : static_cast<double>(exposure.start_us - belt_changed_us_) * 1e-6;
@@ -172,11 +172,12 @@ int LiveWorld::frame_to_break(CellFault fault) {
   }
   const bool any = fit.empty() || fault == CellFault::kLostFrame || fault == CellFault::kMissedTrigger;
   const auto choices = static_cast<std::uint32_t>(any ? frames.size() : fit.size());
+  const std::scoped_lock lock(random_mutex_);
   const auto drawn = random_.below(std::max(choices, 1U));
   return any ? static_cast<int>(drawn) : fit[drawn];
 }
 
-void LiveWorld::break_camera(CellFault fault) {
+void LiveWorld::break_device(CellFault fault) {
   using gige::FrameFault;
   switch (fault) {
     case CellFault::kLostPackets:
@@ -204,13 +205,51 @@ void LiveWorld::break_camera(CellFault fault) {
       camera_->die();
       break;
     default:
+      break_wire(fault);
+  }
+}
+
+// The trigger board, and the wires from and to it.
+void LiveWorld::break_wire(CellFault fault) {
+  switch (fault) {
+    case CellFault::kNoStrobe:
+      strobe_line_.stick_at(false);
+      break;
+    case CellFault::kStrobeStuck:
+      strobe_line_.stick_at(true);
+      break;
+    case CellFault::kTriggerCut:
+      camera_line_.stick_at(false);
+      break;
+    case CellFault::kTriggerStuck:
+      camera_line_.stick_at(true);
+      break;
+    case CellFault::kLostAdvance:
+      projector_line_.lose_pulse(frame_to_break(fault));
+      break;
+    case CellFault::kHungFirmware:
+      board_->hang();
+      break;
+    case CellFault::kUartNoise:
+      board_->set_line_noise(kLineNoise);
+      break;
+    case CellFault::kUartGarbled:
+      board_->set_line_noise(kLineGarble);
+      break;
+    case CellFault::kUartCut:
+      board_->cut_line(true);
+      break;
+    default:
       break;
   }
 }
 
-void LiveWorld::mend_camera() {
+void LiveWorld::mend_devices() {
   camera_->set_packet_loss(0.0);
   camera_->revive();
+  for (Wire* wire : {&camera_line_, &projector_line_, &strobe_line_}) wire->mend();
+  board_->set_line_noise(0.0);
+  board_->cut_line(false);
 }
 
 void LiveWorld::wait_s(double seconds) const {

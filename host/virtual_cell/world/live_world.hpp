@@ -12,13 +12,15 @@
 #include <vector>
 
 #include "base/result.hpp"
-#include "host/board.hpp"
+#include "host/pin_edge.hpp"
 #include "virtual_cell/gige/camera.hpp"
 #include "virtual_cell/render/belt_part.hpp"
 #include "virtual_cell/render/scene_renderer.hpp"
 #include "virtual_cell/world/parts_on_belt.hpp"
 #include "virtual_cell/world/pattern_projector.hpp"
 #include "virtual_cell/world/plant.hpp"
+#include "virtual_cell/world/trigger_board.hpp"
+#include "virtual_cell/world/wire.hpp"
 
 namespace beltpick::virtual_cell {
 
@@ -32,7 +34,8 @@ struct LiveWorldSettings {
   std::string camera_address = "127.0.0.1";
   std::string camera_serial = "BP0001";
   std::string trigger_link;  // where the trigger board's tty is linked to
-  double speed = 1.0;        // of belt and robot; imaging runs in real time
+  TriggerBoardChoice board;
+  double speed = 1.0;  // of belt and robot; imaging runs in real time
 };
 
 class LiveWorld final : public Plant {
@@ -47,10 +50,10 @@ class LiveWorld final : public Plant {
   void miss() override;
   [[nodiscard]] int parts_in_view() const override;
   [[nodiscard]] int exposures() const override { return exposures_; }
-  void break_camera(CellFault fault) override;
-  void mend_camera() override;
+  void break_device(CellFault fault) override;
+  void mend_devices() override;
 
-  [[nodiscard]] const std::string& trigger_tty() const { return board_->tty(); }
+  [[nodiscard]] std::string trigger_tty() const { return board_->tty(); }
   // The view as the camera sees it under the projector's white.
   void photograph(ImageView<std::uint8_t> image);
 
@@ -71,12 +74,14 @@ class LiveWorld final : public Plant {
   void place();
   void wait_s(double seconds) const;
   [[nodiscard]] double travelled_mm(std::int64_t now_us) const;
+  void break_wire(CellFault fault);
   [[nodiscard]] int frame_to_break(CellFault fault);
 
   LiveWorldSettings settings_;
   PartsOnBelt truth_;
   PatternProjector projector_;
   std::size_t next_view_ = 0;
+  std::mutex random_mutex_;
   Random random_;
 
   std::mutex render_mutex_;
@@ -91,7 +96,10 @@ class LiveWorld final : public Plant {
   std::int64_t pulse_rise_us_ = 0;  // of the board's thread
   std::uint32_t pulse_rise_board_us_ = 0;
   std::unique_ptr<gige::Camera> camera_;
-  std::unique_ptr<host::Board> board_;  // its thread calls into all of the above: destroyed first
+  Wire camera_line_;                     // the trigger, to the camera
+  Wire projector_line_;                  // the advance, to the projector
+  Wire strobe_line_;                     // of the camera, to the board
+  std::unique_ptr<TriggerBoard> board_;  // its threads call into all of the above: destroyed first
 };
 
 }  // namespace beltpick::virtual_cell

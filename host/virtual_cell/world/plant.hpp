@@ -41,9 +41,10 @@ class Plant {
 
   // Camera exposures since the start of the world.
   [[nodiscard]] virtual int exposures() const = 0;
-  // Does a fault of camera or network to the cell; the PLC's own faults are not its business.
-  virtual void break_camera(CellFault fault) = 0;
-  virtual void mend_camera() = 0;
+  // Does a fault of camera, network, trigger board or wire to the cell; the PLC's own faults are not its business. From
+  // any thread.
+  virtual void break_device(CellFault fault) = 0;
+  virtual void mend_devices() = 0;
 };
 
 }  // namespace beltpick::virtual_cell

@@ -174,43 +174,26 @@ bool PlcProgram::recover() {
 }
 
 void PlcProgram::stage_before_start() {
-  if (!fault_ || staged_) return;
-  switch (fault_->fault) {
-    case CellFault::kLostPackets:
-    case CellFault::kLostFrame:
-    case CellFault::kMissedTrigger:
-    case CellFault::kShortFrame:
-    case CellFault::kWrongSize:
-    case CellFault::kBlackFrame:
-    case CellFault::kDuplicateFrame:
-      plant_.break_camera(fault_->fault);
-      staged_ = true;
-      break;
-    default:
-      break;
-  }
+  if (!fault_ || staged_ || fault_entry(fault_->fault).by != FaultBy::kDeviceBeforeStart) return;
+  plant_.break_device(fault_->fault);
+  staged_ = true;
 }
 
 void PlcProgram::stage_while_capturing(const ApplianceRegisters& seen) {
   if (!fault_ || staged_ || !seen.has(kStatusCapturing)) return;
   if (plant_.exposures() < exposures_at_start_ + kExposuresBeforeFault) return;
-  switch (fault_->fault) {
-    case CellFault::kDeadCamera:
-      plant_.break_camera(CellFault::kDeadCamera);
-      break;
-    case CellFault::kBeltMovesCapture:
-      (void)hold_belt(false);
-      break;
-    case CellFault::kRobotInView:
-      (void)show_robot_clear(false);
-      break;
-    case CellFault::kEmergencyStop:
-      plant_.set_emergency_stop_line(true);
-      break;
-    default:
-      return;
-  }
   staged_ = true;
+  if (fault_entry(fault_->fault).by == FaultBy::kDeviceWhileCapturing) {
+    plant_.break_device(fault_->fault);
+  } else if (fault_->fault == CellFault::kBeltMovesCapture) {
+    (void)hold_belt(false);
+  } else if (fault_->fault == CellFault::kRobotInView) {
+    (void)show_robot_clear(false);
+  } else if (fault_->fault == CellFault::kEmergencyStop) {
+    plant_.set_emergency_stop_line(true);
+  } else {
+    staged_ = false;  // its time comes later
+  }
 }
 
 // True when the fault takes the place of the pick.
@@ -241,7 +224,7 @@ void PlcProgram::undo_fault() {
   if (!staged_) return;
   link_.set_silent(false);
   plant_.set_emergency_stop_line(false);
-  plant_.mend_camera();
+  plant_.mend_devices();
   (void)show_robot_clear(true);
   (void)hold_belt(true);
 }

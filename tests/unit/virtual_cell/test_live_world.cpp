@@ -4,13 +4,17 @@
 #include <unistd.h>
 
 #include <catch2/catch.hpp>
+#include <cstdlib>
+#include <filesystem>
 #include <numeric>
+#include <optional>
 #include <vector>
 
 #include "aravis_client.hpp"
 #include "contract/sequences.hpp"
 #include "protocol/messages.hpp"
 #include "virtual_cell/render/scene.hpp"
+#include "virtual_cell/world/emulator_files.hpp"
 #include "virtual_cell/world/live_world.hpp"
 
 using namespace beltpick;
@@ -71,15 +75,32 @@ LiveWorldSettings small_cell() {
   return settings;
 }
 
-std::vector<double> capture_means(test::AravisClient& client, Serial& serial, std::uint16_t arm_id, int frames) {
+protocol::Arm sequence(std::uint16_t arm_id, int frames, std::uint32_t tolerance_us = 2000) {
   protocol::Arm arm;
   arm.arm_id = arm_id;
   arm.host_silence_ms = 60'000;
-  arm.strobe_tolerance_us = 2000;
+  arm.strobe_tolerance_us = tolerance_us;
   arm.group_count = 1;
   arm.groups[0] = {static_cast<std::uint16_t>(frames), 1000, 8000, 25'000, 12'000};
+  return arm;
+}
+
+// The cell with the firmware's ELF in an emulated microcontroller; nothing where there is no emulator.
+std::optional<LiveWorldSettings> emulated_cell() {
+  const auto board = find_emulator(BELTPICK_BIN_DIR, "");
+  if (!board) {
+    WARN("skipped: " << board.error().detail);
+    return std::nullopt;
+  }
+  LiveWorldSettings settings = small_cell();
+  settings.board = *board;
+  settings.trigger_link = std::filesystem::temp_directory_path() / ("test_live_world." + std::to_string(::getpid()));
+  return settings;
+}
+
+std::vector<double> capture_means(test::AravisClient& client, Serial& serial, std::uint16_t arm_id, int frames) {
   protocol::Reply reply;
-  serial.send(protocol::Type::kArm, arm);
+  serial.send(protocol::Type::kArm, sequence(arm_id, frames));
   REQUIRE(serial.await(protocol::Type::kReply, reply));
   REQUIRE(reply.refusal == protocol::Refusal::kNone);
   serial.send(protocol::Type::kStart, protocol::Start{arm_id});
@@ -129,14 +150,8 @@ TEST_CASE("a belt that moves while the sequence runs stops it") {
   REQUIRE((*world)->bring_next_parts());
   test::AravisClient client(kAddress);
   Serial serial((*world)->trigger_tty());
-  protocol::Arm arm;
-  arm.arm_id = 7;
-  arm.host_silence_ms = 60'000;
-  arm.strobe_tolerance_us = 2000;
-  arm.group_count = 1;
-  arm.groups[0] = {50, 1000, 8000, 25'000, 12'000};
   protocol::Reply reply;
-  serial.send(protocol::Type::kArm, arm);
+  serial.send(protocol::Type::kArm, sequence(7, 50));
   REQUIRE(serial.await(protocol::Type::kReply, reply));
   serial.send(protocol::Type::kStart, protocol::Start{7});
   protocol::FrameEvent frame;
@@ -145,4 +160,62 @@ TEST_CASE("a belt that moves while the sequence runs stops it") {
   protocol::FaultEvent fault;
   REQUIRE(serial.await(protocol::Type::kFaultEvent, fault));
   CHECK(fault.fault == protocol::Fault::kBeltMoved);
+}
+
+TEST_CASE("an emulated microcontroller drives camera and projector, and has its strobes to the tick") {
+  const auto settings = emulated_cell();
+  if (!settings) return;
+  auto world = LiveWorld::start(*settings);
+  if (!world) FAIL(world.error().detail);
+  REQUIRE((*world)->bring_next_parts());
+  test::AravisClient client(kAddress);
+  Serial serial((*world)->trigger_tty());
+  constexpr int kFrames = 12;
+  protocol::Reply reply;
+  serial.send(protocol::Type::kArm, sequence(3, kFrames, 100));
+  REQUIRE(serial.await(protocol::Type::kReply, reply));
+  REQUIRE(reply.refusal == protocol::Refusal::kNone);
+  serial.send(protocol::Type::kStart, protocol::Start{3});
+  // However late this machine is: the strobe's own delay, and the pulse's own length, in the microcontroller's ticks.
+  constexpr int kTicksPerUs = 2;
+  for (int i = 0; i < kFrames; ++i) {
+    protocol::FrameEvent frame;
+    REQUIRE(serial.await(protocol::Type::kFrameEvent, frame));
+    CHECK(frame.frame == i);
+    CHECK(std::abs(static_cast<int>(frame.strobe_ticks - frame.pulse_ticks) - 20 * kTicksPerUs) <= 1);
+    CHECK(std::abs(static_cast<int>(frame.strobe_length_ticks) - 8000 * kTicksPerUs) <= 1);
+  }
+  protocol::DoneEvent done;
+  REQUIRE(serial.await(protocol::Type::kDoneEvent, done));
+  for (int i = 0; i < kFrames; ++i) {
+    ArvBuffer* buffer = arv_stream_timeout_pop_buffer(client.stream, 3'000'000);
+    REQUIRE(buffer != nullptr);
+    CHECK(arv_buffer_get_status(buffer) == ARV_BUFFER_STATUS_SUCCESS);
+    arv_stream_push_buffer(client.stream, buffer);
+  }
+  CHECK((*world)->exposures() == kFrames);
+}
+
+TEST_CASE("a camera that does not run gives the emulated microcontroller no strobe") {
+  const auto settings = emulated_cell();
+  if (!settings) return;
+  auto world = LiveWorld::start(*settings);
+  REQUIRE(world);
+  Serial serial((*world)->trigger_tty());
+  protocol::Reply reply;
+  serial.send(protocol::Type::kArm, sequence(3, 2));
+  REQUIRE(serial.await(protocol::Type::kReply, reply));
+  serial.send(protocol::Type::kStart, protocol::Start{3});
+  protocol::FaultEvent fault;
+  REQUIRE(serial.await(protocol::Type::kFaultEvent, fault));
+  CHECK(fault.fault == protocol::Fault::kStrobeMissing);
+}
+
+TEST_CASE("an emulator without its firmware is refused by name") {
+  const auto none = find_emulator(BELTPICK_BIN_DIR, "/nowhere/trigger.elf");
+  REQUIRE_FALSE(none);
+  CHECK(none.error().code == ResultCode::kFileNotFound);
+  const auto no_emulator = find_emulator("/nowhere", "");
+  REQUIRE_FALSE(no_emulator);
+  CHECK(no_emulator.error().text().find("trigger_emulator") != std::string_view::npos);
 }

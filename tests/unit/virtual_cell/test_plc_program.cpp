@@ -45,8 +45,8 @@ struct StandInPlant final : Plant {
   void miss() override {}
   int parts_in_view() const override { return in_view; }
   int exposures() const override { return exposed; }
-  void break_camera(CellFault fault) override { broken.push_back(fault); }
-  void mend_camera() override {}
+  void break_device(CellFault fault) override { broken.push_back(fault); }
+  void mend_devices() override {}
 };
 
 // The appliance without camera and pipeline: a capture takes 60 ms, and locating finds what lies in view.
