@@ -15,18 +15,34 @@ decimal() {
   echo "$2"
 }
 
-# Configures where that was not done yet, without the tests' needs, and builds the two programs.
+# Configures where that was not done yet, without the tests' needs, and builds the programs; for the board `emulated`
+# also the emulator and the firmware that it runs.
 build() {
-  local tree=$1 log=$1/build/demo.log options=()
+  local tree=$1 board=$2 log=$1/build/demo.log options=() targets=(beltpick beltpickd)
   mkdir -p "$tree/build"
+  : >"$log"
   [ -f "$tree/build/release/CMakeCache.txt" ] || options=(-DBELTPICK_TESTS=OFF)
-  if ! (cd "$tree" && cmake --preset release "${options[@]}" >"$log" 2>&1); then
-    tail -n 30 "$log" >&2
-    refuse "configuring failed; see $log"
+  configure "$tree" "$log" release "${options[@]}"
+  if [ "$board" = emulated ]; then
+    targets+=(trigger_emulator)
+    configure "$tree" "$log" fw
+    compile "$tree/build/fw" "$log" all
   fi
+  compile "$tree/build/release" "$log" "${targets[@]}"
+}
+
+configure() {
+  local tree=$1 log=$2 preset=$3
+  (cd "$tree" && cmake --preset "$preset" "${@:4}" >>"$log" 2>&1) && return
+  tail -n 30 "$log" >&2
+  refuse "configuring failed; see $log"
+}
+
+compile() {
+  local folder=$1 log=$2
   if [ -t 2 ]; then
-    cmake --build "$tree/build/release" --target beltpick beltpickd >&2 || refuse "the build failed"
-  elif ! cmake --build "$tree/build/release" --target beltpick beltpickd >>"$log" 2>&1; then
+    cmake --build "$folder" --target "${@:3}" >&2 || refuse "the build failed"
+  elif ! cmake --build "$folder" --target "${@:3}" >>"$log" 2>&1; then
     tail -n 30 "$log" >&2
     refuse "the build failed; see $log"
   fi

@@ -1,10 +1,11 @@
-"""A short run of the whole cell: the real beltpickd beside the virtual cell, with one fault or none.
+"""A short run of the whole cell: the real beltpickd beside the virtual cell, with faults or none.
 
     run_cell.py setup BIN WORK                    makes calibration, part and template once
-    run_cell.py run BIN WORK --parts N [--fault NAME] [--seed S] [--picked LEAST]
+    run_cell.py run BIN WORK --parts N [--fault NAME[@STOP]]... [--board emulated|host] [--seed S] [--picked LEAST]
+                [--switch NAME --told TEXT]             breaks it after the first stop until beltpickd's log has TEXT
 
-Fails unless the belt was finished, nothing crashed, nothing was unsafe, and the fault was answered by its own result
-code and recovered from.
+Fails unless the belt was finished, nothing crashed, nothing was unsafe, and each fault was answered by its own result
+code and recovered from, and something was picked at the next stop.
 """
 
 import argparse
@@ -59,7 +60,7 @@ def end(process):
 
 
 def run_cell(bin_folder, cell, options):
-    run = cell.parent / f"run-{options.fault or 'none'}"
+    run = cell.parent / f"run-{options.board}-{options.fault[0] if options.fault else 'none'}"
     shutil.rmtree(run, ignore_errors=True)
     run.mkdir(parents=True)
     camera, port = free_camera_address(8), free_port()
@@ -69,21 +70,40 @@ def run_cell(bin_folder, cell, options):
     world_command = [bin_folder / "beltpick", "simulate", "--live", "--rig", cell / "rig.toml", "--part", "knuckle",
                      "--parts", options.parts, "--seed", options.seed, "--sequence", cell / "sequence.json",
                      "--plc", f"127.0.0.1:{port}", "--camera-address", camera, "--trigger", run / "trigger",
-                     "--report", run / "report.json", "--speed", 5, "--linger", 30]
-    if options.fault:
-        world_command += ["--fault", options.fault]
+                     "--board", options.board, "--report", run / "report.json", "--speed", 5, "--linger", 30]
+    if options.switch:
+        world_command += ["--switches", run / "switches"]
+    for fault in options.fault:
+        world_command += ["--fault", fault]
     with open(run / "world.log", "w") as world_log, open(run / "beltpickd.log", "w") as daemon_log:
         world = start(world_command, world_log)
         try:
             wait_for(run / "trigger", world)
             daemon = start([bin_folder / "beltpickd", "--config", run / "beltpickd.toml"], daemon_log)
             try:
+                if options.switch:
+                    throw_switch(run, options)
                 wait_for(run / "report.json", world, options.timeout)
             finally:
                 stopped = end(daemon)
         finally:
             end(world)
     return run, stopped
+
+
+def throw_switch(run, options):
+    wait_for_text(run / "world.log", "stop  1:", options.timeout)
+    (run / "switches").write_text(options.switch + "\n")
+    wait_for_text(run / "beltpickd.log", options.told, options.timeout)
+    (run / "switches").write_text("mend\n")
+
+
+def wait_for_text(path, text, patience_s):
+    give_up = time.monotonic() + patience_s
+    while text not in path.read_text() and time.monotonic() < give_up:
+        time.sleep(0.02)
+    if text not in path.read_text():
+        print(f"{path.name} never told {text}")
 
 
 def wait_for(path, process, patience_s=30.0):
@@ -94,7 +114,8 @@ def wait_for(path, process, patience_s=30.0):
         print(f"{path.name} did not appear in time")
 
 
-def complaints(report, summary, stopped, options):
+def complaints(run, stopped, options):
+    report, summary = read(run / "report.json"), read(run / "summary.json")
     if not report:
         return ["the virtual cell wrote no report"]
     found = []
@@ -109,25 +130,27 @@ def complaints(report, summary, stopped, options):
         found.append(f"{report['picked']} picked of {report['parts']}, expected at least {options.picked}")
     if report["picked"] + report["tray"] != report["parts"]:
         found.append("parts were lost")
-    if options.fault:
-        found += fault_complaints(report)
+    if len(report["faults"]) != len(options.fault):
+        found.append(f"{len(report['faults'])} faults were staged, expected {len(options.fault)}")
+    for fault in report["faults"]:
+        found += fault_complaints(fault, report["views"])
+    if options.switch and options.told not in (run / "beltpickd.log").read_text():
+        found.append(f"{options.switch}: beltpickd never told {options.told}")
     if not summary:
         found.append("beltpickd wrote no summary")
     return found
 
 
-def fault_complaints(report):
-    if len(report["faults"]) != 1:
-        return ["the fault was not staged"]
-    fault = report["faults"][0]
+def fault_complaints(fault, views):
     found = []
     if not fault["answered"]:
         found.append(f"{fault['fault']}: expected {fault['expected']}, told {fault['codes']}")
     if not fault["recovered"]:
         found.append(f"{fault['fault']}: not recovered")
     # The stop after the faulty one: the next cycle works.
-    if len(report["views"]) > 1 and report["views"][1]["picked"] == 0:
-        found.append("nothing was picked at the next stop")
+    after = fault["view"] + 1
+    if after < len(views) and views[after]["picked"] == 0:
+        found.append(f"{fault['fault']}: nothing was picked at the next stop")
     return found
 
 
@@ -143,7 +166,10 @@ def main():
     parser.add_argument("--parts", type=int, default=3)
     parser.add_argument("--seed", type=int, default=3)
     parser.add_argument("--picked", type=int, default=1)
-    parser.add_argument("--fault", default="")
+    parser.add_argument("--fault", action="append", default=[])
+    parser.add_argument("--board", default="host")
+    parser.add_argument("--switch", default="")
+    parser.add_argument("--told", default="")
     parser.add_argument("--timeout", type=float, default=100)
     options = parser.parse_args()
     cell = options.work / "cell"
@@ -151,7 +177,7 @@ def main():
         setup(options.bin, cell)
         return
     run, stopped = run_cell(options.bin, cell, options)
-    found = complaints(read(run / "report.json"), read(run / "summary.json"), stopped, options)
+    found = complaints(run, stopped, options)
     print((run / "world.log").read_text())
     for complaint in found:
         print("FAILED:", complaint)
