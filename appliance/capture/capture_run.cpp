@@ -118,7 +118,8 @@ Result<void> CaptureRun::start(CameraLease& lease, const CapturePlan& plan, Prog
 Result<void> CaptureRun::clear_fault(Fault fault) {
   const Result<void> cleared = trigger_.clear();
   const bool told = std::exchange(start_fault_told_, false);
-  if (!cleared || told || !protocol::from_start(fault)) return cleared;
+  if (!cleared || !protocol::from_start(fault)) return cleared;
+  if (told) return trigger_.refresh_status();  // the one before still has it
   return fault_of(fault, protocol::kNoFrame);
 }
 

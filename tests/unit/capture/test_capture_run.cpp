@@ -38,7 +38,7 @@ TEST_CASE("a frame fault has its own code, and the next capture is good", "[capt
                                                               {FrameFault::kWrongSize, 102},
                                                               {FrameFault::kBlack, 103},
                                                               {FrameFault::kDuplicate, 104},
-                                                              {FrameFault::kMissTrigger, 201}}));
+                                                              {FrameFault::kMissTrigger, 132}}));
   for (const int frame : {0, 5, 15}) {
     if (fault == FrameFault::kDuplicate && frame == 0) continue;
     cell.camera->inject(fault, frame);
