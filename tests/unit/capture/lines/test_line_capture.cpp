@@ -85,7 +85,7 @@ TEST_CASE("captures by lines of the PC: good ones, and a fault's code", "[line c
     CHECK(appliance.taken == 17);
   }
   CHECK(cell.camera->edges_while_exposing() == 0);
-  for (const auto& [fault, expected] : {std::pair{FrameFault::kMissTrigger, 201}, {FrameFault::kLoseFrame, 100}}) {
+  for (const auto& [fault, expected] : {std::pair{FrameFault::kMissTrigger, 132}, {FrameFault::kLoseFrame, 100}}) {
     cell.camera->inject(fault, 5);
     CHECK(appliance.capture() == expected);
     CHECK_THAT(appliance.text, Catch::Contains("frame 5"));
