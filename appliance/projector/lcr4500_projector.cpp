@@ -145,8 +145,7 @@ Result<void> Lcr4500Projector::write_sequence(const lcr4500::FlashPlan& flash, c
 Result<void> Lcr4500Projector::write_tables(const lcr4500::FlashPlan& flash) {
   std::vector<std::uint8_t> images;
   for (int i = 0; i < flash.images; ++i) images.push_back(low_byte(config_.first_image + i));
-  // The controller fills its two buffers from the end of the table: of two images the maker's own program sends the
-  // second one first.
+  // Of exactly two images the maker's own programs send the second one first: so are the two buffers filled.
   if (images.size() == 2) std::swap(images[0], images[1]);
 
   std::vector<std::uint8_t> patterns;

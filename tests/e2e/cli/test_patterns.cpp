@@ -66,8 +66,8 @@ TEST_CASE("patterns for a LightCrafter 4500 tells planes, images and load time t
   CHECK(fast.out.find("47 bit planes in 2 images") != std::string::npos);
   CHECK(fast.out.find("no load time") != std::string::npos);
   CHECK(fast.out.find("in flash_1.bmp B6") != std::string::npos);
-  const Outcome standard = beltpick_run("patterns --lcr4500 --projector 912x1140 --layout diamond --out " +
-                                        (folder / "standard").string());
+  const Outcome standard =
+      beltpick_run("patterns --lcr4500 --projector 912x1140 --layout diamond --out " + (folder / "standard").string());
   CHECK(standard.out.find("72 bit planes in 3 images") != std::string::npos);
   CHECK(standard.out.find("1 image is loaded during every capture, up to 200 ms") != std::string::npos);
   contract_io::Warnings warnings;

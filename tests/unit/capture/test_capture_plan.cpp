@@ -81,3 +81,20 @@ TEST_CASE("what a frame must show follows from its pattern", "[plan]") {
   CHECK_FALSE(plan->frames[16].repeats);
   CHECK(plan->frames[17].repeats);
 }
+
+TEST_CASE("a projector that loads may ask for longer periods of single frames", "[plan]") {
+  std::vector<std::uint32_t> least_us(17, 0);
+  least_us[3] = least_us[4] = 70'000;
+  least_us[8] = 5000;  // shorter than the period anyway
+  const auto plan = make_plan(
+      patterns::standard(),
+      {.exposure_us = 8000, .settle_us = 1000, .readout_us = 6000, .period_us = 20'000, .least_period_us = least_us});
+  REQUIRE(plan);
+  REQUIRE(plan->timing.group_count == 3);
+  CHECK(plan->timing.groups[0].frames == 3);
+  CHECK(plan->timing.groups[1].frames == 2);
+  CHECK(plan->timing.groups[1].period_us == 70'000);
+  CHECK(plan->timing.groups[2].frames == 12);
+  CHECK(plan->timing.groups[2].period_us == 20'000);
+  CHECK(plan->duration_us == 15 * 20'000 + 2 * 70'000);
+}

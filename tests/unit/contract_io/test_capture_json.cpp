@@ -105,3 +105,26 @@ TEST_CASE("capture.json and sequence.json read back as written", "[capture]") {
   CHECK(capture->id == "lap 7");
   CHECK(warnings.empty());
 }
+
+TEST_CASE("Where frames lie in a projector's flash is kept, and wrong places are named", "[capture]") {
+  const TempFolder folder;
+  Sequence sequence;
+  sequence.projector = {912, 1140, ProjectorLayout::kDiamond};
+  FrameSpec white;
+  white.file = "000.png";
+  sequence.frames = {white};
+  sequence.flash = {{1, 16, 1}};
+  REQUIRE(write_sequence(folder / "sequence.json", sequence));
+  Warnings warnings;
+  const auto back = read_sequence(folder / "sequence.json", warnings);
+  REQUIRE(back);
+  CHECK(back->flash == sequence.flash);
+  CHECK(warnings.empty());
+  const auto place = [](int image, int plane, int bits) {
+    return nlohmann::json{{"frames", {{{"image", image}, {"first_plane", plane}, {"bits", bits}}}}};
+  };
+  refused("/flash", place(-1, 0, 1), ResultCode::kValueOutOfRange, "flash.frames[0].image");
+  refused("/flash", place(0, 24, 1), ResultCode::kValueOutOfRange, "flash.frames[0].first_plane");
+  refused("/flash", place(0, 0, 9), ResultCode::kValueOutOfRange, "flash.frames[0].bits");
+  refused("/flash", {{"frames", 3}}, ResultCode::kFormatInvalid, "flash.frames");
+}
