@@ -26,8 +26,8 @@ struct Wire {
   std::mutex mutex;
   bool active = false;
   bool gone = false;  // the chip was taken away
-  int holders = 0;
-  int writes = 0;
+  std::atomic<int> holders{0};
+  std::atomic<int> writes{0};
   std::deque<LineEdge> edges;
   std::function<void(const LineEdge&)> on_write;  // in the thread that drives the line
   int fd = ::eventfd(0, EFD_NONBLOCK | EFD_SEMAPHORE | EFD_CLOEXEC);
