@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
+#include <random>
 #include <thread>
 #include <vector>
 
@@ -37,6 +38,28 @@ bool run(LineTrigger& trigger) {
     if (event && event->type == protocol::Type::kFaultEvent) return false;
     if (!event) std::this_thread::sleep_for(std::chrono::milliseconds(4));
   }
+}
+
+// From the emergency stop's edge to the camera's line being inactive, at instants within an exposure.
+std::vector<std::int64_t> time_stops(EchoGpio& gpio, LineTrigger& trigger, int count) {
+  std::vector<std::int64_t> stops_us;
+  std::mt19937 random(1);
+  std::atomic<std::int64_t> risen_us{0}, fallen_us{0};
+  gpio.on_pulse = [&](const LineEdge& edge) { (edge.active ? risen_us : fallen_us) = edge.at_us; };
+  while (static_cast<int>(stops_us.size()) < count) {
+    risen_us = fallen_us = 0;
+    const auto armed = trigger.arm(sequence());
+    if (!armed || !trigger.start_sequence(*armed)) break;
+    while (risen_us == 0) std::this_thread::sleep_for(std::chrono::microseconds(100));
+    std::this_thread::sleep_for(std::chrono::microseconds(random() % 4000));
+    const std::int64_t pressed_us = monotonic_us();
+    gpio.wires["stop"].edge(true, pressed_us);
+    while (fallen_us == 0) std::this_thread::sleep_for(std::chrono::microseconds(100));
+    stops_us.push_back(fallen_us - pressed_us);
+    gpio.wires["stop"].edge(false, monotonic_us());
+    while (!trigger.clear()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  return stops_us;
 }
 
 void print(const char* what, std::vector<std::int64_t> deviations_us) {
@@ -73,9 +96,11 @@ int main(int argc, char** argv) {
     ++failed;
     static_cast<void>(trigger.clear());
   }
+  const std::vector<std::int64_t> stops_us = time_stops(gpio, trigger, 10 * sequences);
   std::printf("%s priority; %d sequences, %d of them failed; deviations in us\n",
               RealtimeSection(RealtimePriority::kTrigger).is_realtime() ? "real-time" : "ordinary", sequences, failed);
   std::printf("%-22s %8s %8s %8s %8s %8s\n", "", "count", "least", "median", "99 %", "most");
   print("exposure - 8000", exposures_us);
   print("period - 25000", periods_us);
+  print("stop to camera off", stops_us);
 }
