@@ -274,12 +274,25 @@ void Appliance::start_api(Threads& threads) {
   }
 }
 
+// The codes that the cell tells say what is wrong with a projector; this says what exactly, once.
+void Appliance::tell_projector() {
+  const projector::ProjectorKeeper& projector = stages_->projector;
+  if (!projector.tried() || projector_told_ == projector.code()) return;
+  const Error error = projector.last_error();
+  projector_told_ = error.code;
+  if (error.code != ResultCode::kOk) return log_.write(LogLevel::kWarning, "%s", error.detail);
+  const projector::ProjectorFacts facts = projector.facts();
+  log_.write(LogLevel::kInfo, "projector: %s%s%s ready%s%s", facts.name.c_str(), facts.device.empty() ? "" : " at ",
+             facts.device.c_str(), facts.details.empty() ? "" : ": ", facts.details.c_str());
+}
+
 int Appliance::supervise(Threads& threads) {
   ServiceNotify notify;
   notify.tell("READY=1");
   const sigset_t signals = handled_signals();
   std::int64_t told_us = 0;
   for (;;) {
+    tell_projector();
     log_.drain(STDERR_FILENO);
     const std::int64_t now_us = monotonic_us();
     const plc::ApplianceRegisters shown = threads.exchange.published();

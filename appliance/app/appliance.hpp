@@ -3,6 +3,7 @@
 
 #include <atomic>
 #include <memory>
+#include <optional>
 #include <thread>
 
 #include "app/capture_and_locate.hpp"
@@ -80,6 +81,7 @@ class Appliance {
   ApplianceCellSide::Neighbours cell_side_of(const Threads& threads);
   void start_api(Threads& threads);
   int supervise(Threads& threads);
+  void tell_projector();
   void stop(Threads& threads);
   void write_summary_file() const;
 
@@ -88,6 +90,7 @@ class Appliance {
   std::unique_ptr<RunBook> book_;
   ArenaBlock block_;
   bool memory_locked_ = false;
+  std::optional<ResultCode> projector_told_;  // what the log has of it
   Arena arena_;
   std::unique_ptr<Stages> stages_;
   std::unique_ptr<KeptModels> kept_;  // null without a state folder
