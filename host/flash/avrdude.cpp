@@ -11,7 +11,11 @@ namespace beltpick::flash {
 namespace {
 
 constexpr int kMarksPerPhase = 50;
-constexpr int kPatienceMs = 60'000;  // avrdude gives a silent board up after a good half of that
+// avrdude shows its progress many times a second; a line that it has lost it gives up after half a minute only. An
+// in-system programmer may erase and read back without a word.
+constexpr int kPatienceOfLineMs = 8'000;
+constexpr int kPatienceInSystemMs = 60'000;
+constexpr int kEndedBySigterm = 128 + 15;
 constexpr std::string_view kWriting = "Writing |";
 constexpr std::string_view kReading = "Reading |";
 
@@ -56,18 +60,20 @@ Result<std::string> find_avrdude() {
                  "avrdude: expected the program in PATH, found none; install it: sudo apt-get install avrdude");
 }
 
-Result<void> run_avrdude(const std::vector<std::string>& command, const std::function<void(int)>& percent) {
+Result<void> run_avrdude(const AvrdudeJob& job, const std::function<void(int)>& percent) {
   const auto path = find_avrdude();
   if (!path) return std::unexpected(path.error());
+  const int patience_ms = job.way == Way::kInSystem ? kPatienceInSystemMs : kPatienceOfLineMs;
   AvrdudeProgress progress;
   std::string output;
-  const auto code = run_child(*path, command, kPatienceMs, [&](std::string_view bytes) {
+  const auto code = run_child(*path, avrdude_command(job), patience_ms, [&](std::string_view bytes) {
     output += bytes;
     percent(progress.take(bytes));
   });
   if (!code) return std::unexpected(code.error());
   if (*code == 0) return {};
   std::string complaint = avrdude_complaint(output);
+  if (complaint.empty() && *code == kEndedBySigterm) complaint = "the board fell silent";
   if (complaint.empty()) complaint = "exit code " + std::to_string(*code);
   return failure(ResultCode::kUpdateFailed, "avrdude: %s", complaint.c_str());
 }

@@ -4,9 +4,9 @@
 #include <functional>
 #include <string>
 #include <string_view>
-#include <vector>
 
 #include "base/result.hpp"
+#include "flash/programmer.hpp"
 
 namespace beltpick::flash {
 
@@ -30,7 +30,8 @@ std::string avrdude_complaint(const std::string& output);
 // Whether avrdude is there. Error: kFileNotFound, with the package to install.
 Result<std::string> find_avrdude();
 
-// Runs the command; `percent` is told as it goes. Error: kUpdateFailed with avrdude's complaint.
-Result<void> run_avrdude(const std::vector<std::string>& command, const std::function<void(int)>& percent);
+// Runs it for the job; `percent` is told as it goes. Error: kUpdateFailed with avrdude's complaint, or where it heard
+// nothing of the board for too long.
+Result<void> run_avrdude(const AvrdudeJob& job, const std::function<void(int)>& percent);
 
 }  // namespace beltpick::flash

@@ -49,7 +49,7 @@ class LineUpdate {
     while (true) {
       if (auto entered = enter_loader(peer); !entered) return std::unexpected(entered.error());
       ++report_.runs;
-      const Result<void> written = run_avrdude(avrdude_command(job_), watcher_.percent);
+      const Result<void> written = run_avrdude(job_, watcher_.percent);
       if (!written && written.error().code != ResultCode::kUpdateFailed) return std::unexpected(written.error());
       peer = written ? find_started() : find_peer(line_, kFindMs);
       if (peer && (written ? has_arrived(*peer, firmware_) : is_this(*peer, firmware_))) {
@@ -156,7 +156,7 @@ Result<UpdateReport> update_in_system(const Firmware& firmware, const AvrdudeJob
                                       const Watcher& watcher) {
   UpdateReport report;
   report.runs = 1;
-  if (auto written = run_avrdude(avrdude_command(job), watcher.percent); !written) {
+  if (auto written = run_avrdude(job, watcher.percent); !written) {
     return std::unexpected(written.error());
   }
   if (line == nullptr) return report;

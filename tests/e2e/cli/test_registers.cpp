@@ -26,7 +26,7 @@ TEST_CASE("Registers as JSON hold the whole table", "[registers]") {
   CHECK(outcome.exit_code == 0);
   const auto json = nlohmann::json::parse(outcome.out);
   CHECK(json["registers"].size() == kRegisters.size());
-  CHECK(json["result_codes"].size() == kResultCodes.size());
+  CHECK(json["result_codes"].size() == kResultCodes.size() + kFirmwareResultCodes.size());
   CHECK(json["registers"][0]["name"] == "command");
 }
 
