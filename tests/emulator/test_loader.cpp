@@ -41,11 +41,14 @@ class Board {
          stk500::kEnd});
     ask({stk500::kLoadAddress, static_cast<std::uint8_t>(words & 0xFFU), static_cast<std::uint8_t>(words >> 8U),
          stk500::kEnd});
+    return ask(page_request(data), 60);
+  }
+  static Bytes page_request(const Bytes& data) {
     Bytes request = {stk500::kProgramPage, static_cast<std::uint8_t>(data.size() >> 8U),
                      static_cast<std::uint8_t>(data.size() & 0xFFU), stk500::kMemoryFlash};
     std::copy(data.begin(), data.end(), std::back_inserter(request));
     request.push_back(stk500::kEnd);
-    return ask(request, 60);
+    return request;
   }
 
   bool loader_answers() { return ask(kSync) == kAnswered; }
@@ -146,6 +149,7 @@ TEST_CASE("the loader never writes itself, nor across a page", "[loader]") {
   const Bytes refused = {stk500::kInSync, stk500::kFailed};
   const Bytes page(chip.page_bytes, 0x12);
   REQUIRE(board.loader_answers());
+  CHECK(board.ask(Board::page_request(page), 60) == refused);  // no address yet
   for (std::uint32_t at = chip.loader_start; at < chip.flash_bytes; at += chip.page_bytes) {
     CHECK(board.program_page(at, page) == refused);
   }

@@ -118,8 +118,9 @@ class Loader {
   void load_address() {
     const uint8_t low = take();
     const uint8_t high = take();
+    if (!confirm()) return;
     at_ = byte_address(extended_, static_cast<uint16_t>(low | high << 8U));
-    confirm();
+    addressed_ = true;
   }
 
   void answer_universal() {
@@ -146,7 +147,8 @@ class Loader {
     }
     for (uint16_t i = size; i < kChip.page_bytes; ++i) page[i] = 0xFF;
     if (!begin_answer()) return;
-    const bool allowed = of_flash && size <= kChip.page_bytes && at_ % kChip.page_bytes == 0 && at_ < kLoaderStart;
+    const bool allowed =
+        of_flash && addressed_ && size <= kChip.page_bytes && at_ % kChip.page_bytes == 0 && at_ < kLoaderStart;
     if (allowed) put(page);
     send(allowed ? stk500::kOk : stk500::kFailed);
   }
@@ -165,9 +167,11 @@ class Loader {
     send(stk500::kOk);
   }
 
+  // All zero at first: other values would come from initial data, which the loader has not.
   FlashAddress at_ = 0;
-  uint8_t extended_ = 0;  // bits 16.. of a word's address
-  bool whole_ = true;     // no byte of the request was missing
+  uint8_t extended_ = 0;    // bits 16.. of a word's address
+  bool whole_ = true;       // no byte of the request was missing
+  bool addressed_ = false;  // since the reset
   bool record_erased_ = false;
 };
 
