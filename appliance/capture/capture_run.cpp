@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "base/clock.hpp"
-#include "capture/frame_ids.hpp"
+#include "core/plan.hpp"
 
 namespace beltpick::capture {
 
@@ -43,10 +43,6 @@ bool is_strobe_fault(ResultCode code) {
   return code >= code_of(Fault::kStrobeMissing) && code <= code_of(Fault::kStrobeTooShort);
 }
 
-void discard_frames(CameraLease& lease) {
-  while (const std::optional<Frame> frame = lease.wait_frame(0)) lease.requeue(*frame);
-}
-
 }  // namespace
 
 struct CaptureRun::Progress {
@@ -54,12 +50,8 @@ struct CaptureRun::Progress {
 
   const CapturePlan& plan;
   std::uint16_t arm_id = 0;
-  int frames = 0;
-  int strobes = 0;
   bool done = false;
-  int faulty_frame = -1;              // at which the trigger found fault
-  unsigned generation = 0;            // of the camera
-  std::uint32_t triggers_before = 0;  // camera pulses up to START
+  int faulty_frame = -1;  // at which the trigger found fault
   std::int64_t started_us = monotonic_us();
   std::int64_t moved_us = monotonic_us();  // when the last frame or event came
   std::int64_t last_frame_us = 0;
@@ -87,24 +79,22 @@ Result<CaptureReport> CaptureRun::run_with(CameraLease& lease, FrameSink& sink, 
   if (done) done = check_.judge(progress.plan.frames);
   if (!done) return std::unexpected(done.error());
   missing_in_a_row_ = 0;
-  return CaptureReport{progress.frames, progress.last_frame_us - progress.started_us, progress.last_frame_us};
+  return CaptureReport{group_.frames(), group_.late(), progress.last_frame_us - progress.started_us,
+                       progress.last_frame_us};
 }
 
 Result<void> CaptureRun::start(CameraLease& lease, const CapturePlan& plan, Progress& progress) {
   if (plan_number_ != plan.number) check_.forget();
   plan_number_ = plan.number;
   check_.begin();
-  discard_frames(lease);
+  while (const std::optional<Frame> frame = lease.wait_frame(0)) {
+    group_.came_idle(frame->frame_id);
+    lease.requeue(*frame);
+  }
   Result<void> done = trigger_.refresh_status();
   if (done && trigger_.status().state == State::kFault) done = clear_fault(trigger_.status().fault);
+  if (done) done = group_.begin(progress.wanted(), trigger_.status().trigger_number, lease.generation());
   if (!done) return done;
-  progress.generation = lease.generation();
-  progress.triggers_before = trigger_.status().trigger_number;
-  // Camera or firmware began to count anew.
-  if (anchor_ &&
-      (anchor_->camera_generation != progress.generation || progress.triggers_before < anchor_->trigger_number)) {
-    anchor_.reset();
-  }
   while (trigger_.next_event()) {
   }
   const Result<std::uint16_t> armed = trigger_.arm(plan.timing);
@@ -125,7 +115,7 @@ Result<void> CaptureRun::clear_fault(Fault fault) {
 
 Result<void> CaptureRun::collect(CameraLease& lease, FrameSink& sink, const std::atomic<ResultCode>& cancel,
                                  Progress& progress) {
-  while (progress.frames < progress.wanted() || !progress.done) {
+  while (group_.frames() < progress.wanted() || !progress.done) {
     Result<void> well = look_around(lease, cancel, progress);
     if (!well) return well;
     const std::optional<Frame> frame = lease.wait_frame(kLookEveryUs);
@@ -137,50 +127,38 @@ Result<void> CaptureRun::collect(CameraLease& lease, FrameSink& sink, const std:
   return {};
 }
 
-// The frame's place in the sequence: the camera counts every exposure, also of frames that were lost, and so does the
-// trigger. Below 0 it is a straggler of an earlier capture.
-std::int64_t CaptureRun::index_of(const Frame& frame, const Progress& progress) {
-  if (!anchor_) anchor_ = {frame.frame_id, progress.triggers_before + 1, progress.generation};
-  const std::int64_t trigger_number = anchor_->trigger_number + frames_between(anchor_->frame_id, frame.frame_id);
-  return trigger_number - progress.triggers_before - 1;
-}
-
 Result<void> CaptureRun::take_frame(const Frame& frame, FrameSink& sink, Progress& progress) {
-  const std::int64_t index = index_of(frame, progress);
-  if (index < progress.frames) return {};
-  if (index > progress.frames) {
-    return failure(ResultCode::kFrameMissing,
-                   "frame %d of %d: lost, the camera's next one (id %llu) is frame %lld; check the network and its "
-                   "receive buffers",
-                   progress.frames, progress.wanted(), static_cast<unsigned long long>(frame.frame_id),
-                   static_cast<long long>(index));
-  }
+  const Result<std::optional<int>> place = group_.place(frame.frame_id);
+  if (!place) return std::unexpected(place.error());
+  if (!*place) return {};
   if (frame.code == ResultCode::kFrameIncomplete) {
     return failure(
         frame.code,
         "frame %d of %d: packets were lost and not resent in time; check the network card and its receive buffers",
-        progress.frames, progress.wanted());
+        **place, progress.wanted());
   }
   if (frame.code != ResultCode::kOk) {
     return failure(frame.code,
                    "frame %d of %d: expected %dx%d Mono8, found another size; check the camera's region of interest",
-                   progress.frames, progress.wanted(), camera_.width(), camera_.height());
+                   **place, progress.wanted(), camera_.width(), camera_.height());
   }
-  if (progress.frames == progress.wanted()) {
-    return failure(ResultCode::kSequenceOrderWrong, "expected %d frames, found more; check the trigger line for noise",
-                   progress.wanted());
-  }
-  anchor_ = {frame.frame_id, progress.triggers_before + 1 + static_cast<std::uint32_t>(index), progress.generation};
   progress.moved_us = progress.last_frame_us = monotonic_us();
   check_.add(frame.image);
-  sink.take(progress.frames++, frame.image);
+  sink.take(**place, frame.image);
   return {};
+}
+
+unsigned CaptureRun::tick_ns() const {
+  const std::optional<protocol::Identity> identity = trigger_.identity();
+  return identity ? identity->tick_ns : core::kTick_ns;  // lines of the PC have the core's own
 }
 
 Result<void> CaptureRun::take_events(Progress& progress) {
   while (const std::optional<TriggerEvent> event = trigger_.next_event()) {
     progress.moved_us = monotonic_us();
-    if (event->type == Type::kFrameEvent && event->frame.arm_id == progress.arm_id) ++progress.strobes;
+    if (event->type == Type::kFrameEvent && event->frame.arm_id == progress.arm_id) {
+      group_.exposed(event->frame, tick_ns());
+    }
     if (event->type == Type::kDoneEvent && event->done.arm_id == progress.arm_id) progress.done = true;
     if (event->type == Type::kFaultEvent) return found_fault(event->fault.fault, event->fault.frame, progress);
   }
@@ -207,7 +185,7 @@ Result<void> CaptureRun::look_around(CameraLease& lease, const std::atomic<Resul
   if (!events) return events;
   if (!trigger_.connected()) return std::unexpected(trigger_.last_error());
   if (lease.lost())
-    return failure(ResultCode::kCameraLost, "camera: lost after %d of %d frames", progress.frames, progress.wanted());
+    return failure(ResultCode::kCameraLost, "camera: lost after %d of %d frames", group_.frames(), progress.wanted());
   return judge_stall(progress);
 }
 
@@ -217,21 +195,17 @@ Result<void> CaptureRun::judge_stall(const Progress& progress) {
   for (const protocol::Group& group : progress.plan.timing.groups)
     period_us = std::max<std::int64_t>(period_us, group.period_us);
   if (monotonic_us() - progress.moved_us < kStallUs + period_us) return {};
-  if (progress.done) {
-    return failure(ResultCode::kFrameMissing,
-                   "expected %d frames, found %d though %d were exposed; check the network and its receive buffers",
-                   progress.wanted(), progress.frames, progress.strobes);
-  }
+  if (progress.done) return std::unexpected(group_.missing());
   return failure(ResultCode::kCaptureTimeout,
                  "expected the sequence to end, found it stuck after %d of %d frames; check the trigger",
-                 progress.frames, progress.wanted());
+                 group_.frames(), progress.wanted());
 }
 
-// A camera that missed a pulse counts on from there without it: then the anchor is wrong.
-bool CaptureRun::doubts_anchor(const Error& error) {
+// A camera that missed a pulse counts on from there without it: then the two counts have come apart.
+bool CaptureRun::doubts_counts(const Error& error) {
   if (error.code == ResultCode::kFrameMissing) ++missing_in_a_row_;
   return is_strobe_fault(error.code) || error.code == ResultCode::kTriggerLost ||
-         error.code == ResultCode::kTriggerLineNoisy || missing_in_a_row_ >= 2;
+         error.code == ResultCode::kTriggerLineNoisy || error.code == ResultCode::kFrameExtra || missing_in_a_row_ >= 2;
 }
 
 // Leaves trigger and camera as the next capture needs them. A camera that exposes wrongly or sends nothing may be a
@@ -240,11 +214,11 @@ Error CaptureRun::recover(CameraLease& lease, const Error& error, const Progress
   if (trigger_.connected()) static_cast<void>(trigger_.abort());
   const bool suspect = error.code == ResultCode::kFrameMissing || error.code == ResultCode::kFrameIncomplete ||
                        error.code == ResultCode::kCaptureTimeout || is_strobe_fault(error.code);
-  const bool doubt = doubts_anchor(error);
+  const bool doubt = doubts_counts(error);
   const bool dead = lease.lost() || (suspect && !lease.answers());
   const bool exposed = !dead && swallow_late_frames(lease, doubt, progress);
   if (doubt) {
-    anchor_.reset();
+    group_.untie();
     missing_in_a_row_ = 0;
   }
   if (dead) return failure(ResultCode::kCameraLost, "camera: does not answer (%.200s)", error.detail).error();
@@ -253,12 +227,12 @@ Error CaptureRun::recover(CameraLease& lease, const Error& error, const Progress
 
 // Until no frame is under way any more. True when that at which the trigger found fault came: it was exposed.
 bool CaptureRun::swallow_late_frames(CameraLease& lease, bool doubt, const Progress& progress) {
-  bool came = progress.frames > progress.faulty_frame;
+  bool came = group_.frames() > progress.faulty_frame;
   const std::int64_t until_us = monotonic_us() + kRecoverUs;
   while (monotonic_us() < until_us) {
-    const std::optional<Frame> late = lease.wait_frame(anchor_ && !doubt ? kQuietUs : kQuietUnanchoredUs);
+    const std::optional<Frame> late = lease.wait_frame(group_.tied() && !doubt ? kQuietUs : kQuietUnanchoredUs);
     if (!late) break;
-    came = came || index_of(*late, progress) >= progress.faulty_frame;
+    came = came || group_.index_of(late->frame_id) >= progress.faulty_frame;
     lease.requeue(*late);
   }
   return came;

@@ -12,6 +12,7 @@
 #include "capture/camera.hpp"
 #include "capture/capture_plan.hpp"
 #include "capture/frame_check.hpp"
+#include "capture/frame_group.hpp"
 #include "capture/trigger_source.hpp"
 #include "contract/result_codes.hpp"
 
@@ -27,6 +28,7 @@ class FrameSink {
 
 struct CaptureReport {
   int frames = 0;
+  int late_frames = 0;             // images of earlier captures that came during this one, and were swallowed
   std::int64_t duration_us = 0;    // ARM to the last frame folded
   std::int64_t last_frame_us = 0;  // monotonic_us() of the last frame's arrival: where "last frame -> pose" begins
 };
@@ -43,7 +45,7 @@ class CaptureRun {
   // outputs of the trigger are safe and late frames are swallowed, so that the next run starts clean.
   //
   // Errors: kCameraLost, kCameraNotFound, kCameraNotTriggered, kTriggerLost, kTriggerLineNoisy, kTriggerLineStuck,
-  // kFrameMissing, kFrameIncomplete, kFrameWrongSize, kFrameBlack, kFrameDuplicated,
+  // kFrameMissing, kFrameExtra, kFrameIncomplete, kFrameWrongSize, kFrameBlack, kFrameDuplicated,
   // kPatternRepeated, kBeltMovedDuringCapture, kEmergencyStop, kCaptureTimeout, 200 + n, and whatever `cancel` said.
   Result<CaptureReport> run(const CapturePlan& plan, FrameSink& sink, const std::atomic<ResultCode>& cancel);
 
@@ -56,28 +58,21 @@ class CaptureRun {
   Result<void> clear_fault(protocol::Fault fault);
   Result<void> collect(CameraLease& lease, FrameSink& sink, const std::atomic<ResultCode>& cancel, Progress& progress);
   Result<void> take_frame(const Frame& frame, FrameSink& sink, Progress& progress);
-  std::int64_t index_of(const Frame& frame, const Progress& progress);
+  [[nodiscard]] unsigned tick_ns() const;
   Result<void> take_events(Progress& progress);
   Result<void> found_fault(protocol::Fault fault, unsigned frame, Progress& progress);
   Result<void> look_around(CameraLease& lease, const std::atomic<ResultCode>& cancel, Progress& progress);
   Result<void> judge_stall(const Progress& progress);
   Error recover(CameraLease& lease, const Error& error, const Progress& progress);
-  bool doubts_anchor(const Error& error);
+  bool doubts_counts(const Error& error);
   bool swallow_late_frames(CameraLease& lease, bool doubt, const Progress& progress);
   static Error without_exposure(const Error& error, const Progress& progress);
 
   Camera& camera_;
   TriggerSource& trigger_;
   FrameCheck check_;
-  // Which frame id belongs to which trigger number; holds from capture to capture, so that a straggler of a capture
-  // that failed is never taken for a frame of the next.
-  struct Anchor {
-    std::uint64_t frame_id = 0;
-    std::uint32_t trigger_number = 0;
-    unsigned camera_generation = 0;
-  };
-  std::optional<Anchor> anchor_;
-  int missing_in_a_row_ = 0;       // captures with missing frames; two of them discredit the anchor
+  FrameGroup group_;
+  int missing_in_a_row_ = 0;       // captures with missing frames; two of them discredit the tie of the counts
   unsigned plan_number_ = 0;       // that the frame check learnt from
   bool start_fault_told_ = false;  // a fault of the firmware's own start failed the capture before
 };

@@ -93,6 +93,7 @@ enum class ResultCode : std::uint16_t {
   kLineNotFound = 136,
   kLineInUse = 137,
   kLinesLost = 138,
+  kFrameExtra = 139,
   // Why an object was withheld.
   kObjectTooSmall = 150,
   kNoHypothesis = 151,
@@ -258,6 +259,8 @@ inline constexpr auto kResultCodes = std::to_array<ResultCodeEntry>({
      "end that program, or name another line in [lines]"},
     {ResultCode::kLinesLost, "LINES_LOST", "the digital lines of this PC cannot be read or written any more",
      "check the GPIO chip, its driver and its cable; then restart beltpickd"},
+    {ResultCode::kFrameExtra, "FRAME_EXTRA", "the camera sent an image that no pulse asked for",
+     "check the trigger line for noise, and that nothing else triggers the camera"},
     {ResultCode::kObjectTooSmall, "OBJECT_TOO_SMALL", "the object has too few points to judge",
      "dirt, or a part mostly hidden"},
     {ResultCode::kNoHypothesis, "NO_HYPOTHESIS", "no template fits the object even roughly",

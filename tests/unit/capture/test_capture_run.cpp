@@ -72,6 +72,20 @@ TEST_CASE("stragglers of a failed capture are not taken for frames of the next",
   CHECK(next == ResultCode::kOk);
 }
 
+TEST_CASE("an exposure that nobody triggered between two captures is told once, by its name", "[capture run]") {
+  Cell cell;
+  Appliance appliance(cell);
+  REQUIRE(appliance.capture() == ResultCode::kOk);
+  cell.camera->line_edge(true, monotonic_us());
+  std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  cell.camera->line_edge(false, monotonic_us());
+  std::this_thread::sleep_for(std::chrono::milliseconds(300));  // for its image to arrive
+  CHECK(appliance.capture() == ResultCode::kFrameExtra);
+  const ResultCode next = appliance.capture();
+  INFO(appliance.text);
+  CHECK(next == ResultCode::kOk);
+}
+
 TEST_CASE("a missed projector advance is a repeated pattern", "[capture run]") {
   Cell cell;
   Appliance appliance(cell);
