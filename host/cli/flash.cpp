@@ -43,7 +43,7 @@ Way way_of(const FlashCommand& command) {
 Result<std::string> loader_file(const FlashCommand& command, const Firmware& firmware) {
   const std::filesystem::path beside =
       std::filesystem::path(command.file).parent_path() / (std::string("boot_") + firmware.chip->name + ".hex");
-  const std::string file = command.loader.empty() ? beside.string() : command.loader;
+  std::string file = command.loader.empty() ? beside.string() : command.loader;
   const auto text = contract_io::read_file(file);
   if (!text) return std::unexpected(text.error());
   boot::FlashImage image;
@@ -113,7 +113,8 @@ std::string done_text(const Firmware& firmware, const flash::UpdateReport& repor
     std::snprintf(text, sizeof text, "firmware %s (CRC %04X) runs there already; --again flashes it all the same\n",
                   version.c_str(), unsigned{firmware.record.flash_crc});
   } else if (!report.after) {
-    std::snprintf(text, sizeof text, "firmware %s written and read back in %.1f s; not asked: its line is not there\n",
+    std::snprintf(text, sizeof text,
+                  "program %s written and read back in %.1f s; nobody answers on its line to confirm it\n",
                   version.c_str(), seconds);
   } else if (!report.after->speaks_our_protocol()) {
     std::snprintf(

@@ -1,14 +1,17 @@
 #include "flash/line.hpp"
 
 #include <poll.h>
+#include <sys/ioctl.h>
 #include <sys/stat.h>
 #include <sys/sysmacros.h>
 #include <termios.h>
 #include <unistd.h>
 
+#include <chrono>
 #include <cinttypes>
 #include <cstring>
 #include <fstream>
+#include <thread>
 #include <utility>
 
 #include "base/tty.hpp"
@@ -93,6 +96,14 @@ std::optional<std::uint8_t> Line::receive(int timeout_ms) const {
   std::uint8_t byte = 0;
   if (::poll(&wait, 1, timeout_ms) <= 0 || ::read(fd_, &byte, 1) != 1) return std::nullopt;
   return byte;
+}
+
+// A line without modem signals takes no notice.
+void Line::reset_board() const {
+  const int dtr = TIOCM_DTR;
+  ::ioctl(fd_, TIOCMBIC, &dtr);
+  std::this_thread::sleep_for(std::chrono::milliseconds(250));
+  ::ioctl(fd_, TIOCMBIS, &dtr);
 }
 
 void Line::forget() const { ::tcflush(fd_, TCIFLUSH); }

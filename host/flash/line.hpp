@@ -24,6 +24,8 @@ class Line {
   void send(const std::uint8_t* bytes, std::size_t count) const;
   // The next byte, within `timeout_ms`.
   [[nodiscard]] std::optional<std::uint8_t> receive(int timeout_ms) const;
+  // Lets DTR fall and rise: resets a board whose reset pin hangs on it, as an Arduino's does.
+  void reset_board() const;
   // Forgets what has come so far.
   void forget() const;
 

@@ -26,9 +26,11 @@ bool is_this(const Peer& peer, const Firmware& firmware) {
 
 // After avrdude has written the flash and read it back. A firmware of another version of the protocol cannot be asked
 // for its CRC: its version must do; the loader would not have started it damaged.
-bool has_arrived(const Peer& peer, const Firmware& firmware) {
-  return is_this(peer, firmware) ||
-         (!peer.is_loader && !peer.speaks_our_protocol() && peer.chip == firmware.chip && is_version(peer, firmware));
+// A program of somebody else's need not answer at all.
+bool has_arrived(const std::optional<Peer>& peer, const Firmware& firmware) {
+  if (!peer) return firmware.sealed_here;
+  return is_this(*peer, firmware) || (!peer->is_loader && !peer->speaks_our_protocol() && peer->chip == firmware.chip &&
+                                      is_version(*peer, firmware));
 }
 
 class LineUpdate {
@@ -38,7 +40,7 @@ class LineUpdate {
       : firmware_(firmware), job_(job), line_(line), options_(options), watcher_(watcher) {}
 
   Result<UpdateReport> run() {
-    report_.before = find_peer(line_, kFindMs);
+    report_.before = find_anyone();
     if (auto judged = judge(); !judged) return std::unexpected(judged.error());
     if (report_.before && !options_.again && is_this(*report_.before, firmware_)) {
       report_.after = report_.before;
@@ -52,7 +54,7 @@ class LineUpdate {
       const Result<void> written = run_avrdude(job_, watcher_.percent);
       if (!written && written.error().code != ResultCode::kUpdateFailed) return std::unexpected(written.error());
       peer = written ? find_started() : find_peer(line_, kFindMs);
-      if (peer && (written ? has_arrived(*peer, firmware_) : is_this(*peer, firmware_))) {
+      if (written ? has_arrived(peer, firmware_) : peer && is_this(*peer, firmware_)) {
         report_.after = peer;
         return report_;
       }
@@ -62,6 +64,14 @@ class LineUpdate {
   }
 
  private:
+  // A program that hangs, or does not speak, still has our loader below it: a reset brings it out.
+  std::optional<Peer> find_anyone() {
+    if (auto peer = find_peer(line_, kFindMs)) return peer;
+    if (job_.way == Way::kBoardLoader) return std::nullopt;
+    line_.reset_board();
+    return find_loader(line_, kEnterMs);
+  }
+
   // A firmware that starts; or the loader, where it found nothing whole to start.
   std::optional<Peer> find_started() {
     auto firmware = find_firmware(line_, kStartMs / 2);
@@ -161,7 +171,7 @@ Result<UpdateReport> update_in_system(const Firmware& firmware, const AvrdudeJob
   }
   if (line == nullptr) return report;
   report.after = find_firmware(*line, kStartMs);
-  if (report.after && has_arrived(*report.after, firmware)) return report;
+  if (has_arrived(report.after, firmware)) return report;
   return failure(ResultCode::kUpdateFailed,
                  "%s: expected the new firmware to answer, found %s; check the line and the board",
                  line->port().c_str(), report.after ? peer_text(*report.after).c_str() : "that nobody answers");

@@ -113,12 +113,29 @@ TEST_CASE("an in-system programmer gets fuses, loader, firmware and lock in one 
   const std::string hex = shop.name("trigger_atmega328p.hex");
   const Outcome done = shop.flash(hex + " --programmer usbasp --port " + shop.name("no-tty"));
   CHECK(done.exit_code == 0);
-  CHECK(done.out.find("not asked") != std::string::npos);
+  CHECK(done.out.find("nobody answers") != std::string::npos);
   CHECK(file_bytes(shop.name("notes")) ==
         "-p atmega328p -c usbasp -B 8 -e -U lfuse:w:0xFF:m -U hfuse:w:0xD8:m -U efuse:w:0xFC:m -U flash:w:" +
             shop.name("boot_atmega328p.hex") + ":i -U flash:w:" + hex + ":i -U lock:w:0xEF:m\n");
   shop.avrdude_is("echo 'avrdude error: could not find USB device with vid=0x16c0' >&2; exit 1");
   refused(shop.flash(hex + " --programmer usbasp --port " + shop.name("no-tty")), "could not find USB device");
+}
+
+TEST_CASE("somebody else's program is given as a copy with a record, which is gone afterwards", "[flash]") {
+  Workshop shop;
+  shop.avrdude_is("echo \"$@\" | sed 's/.*flash:w:\\([^ ]*\\):i -U lock.*/\\1/' > " + shop.name("path") +
+                  "; cp $(cat " + shop.name("path") + ") " + shop.name("copy"));
+  const std::string other = shop.file("other.hex", ":0400000001020304F2\n:00000001FF\n");
+  const Outcome done = shop.flash(other + " --any --mcu atmega328p --programmer usbasp --port " + shop.name("no-tty"));
+  INFO(done.err);
+  CHECK(done.exit_code == 0);
+  boot::FlashImage copy;
+  REQUIRE(boot::read_hex(file_bytes(shop.name("copy")), copy).empty());
+  CHECK(copy.byte(3) == 4);
+  CHECK(boot::find_record(copy).record.length == 4);
+  std::string path = file_bytes(shop.name("path"));
+  path.pop_back();
+  CHECK(!std::filesystem::exists(path));
 }
 
 TEST_CASE("a virtual cell's stand-in has no flash", "[flash]") {
