@@ -4,9 +4,9 @@
 // demand.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
-#include <cstring>
 #include <deque>
 #include <string>
 #include <vector>
@@ -83,7 +83,7 @@ class Dlpc350Gadget {
     reply[0] = static_cast<std::uint8_t>(head_[0] | (good ? 0 : 0x20));
     reply[1] = static_cast<std::uint8_t>(head_[1] + (broken && breaks == Break::kOtherSequence ? 1 : 0));
     reply[2] = static_cast<std::uint8_t>(out.size());
-    std::memcpy(&reply[4], out.data(), out.size());
+    std::copy(out.begin(), out.end(), reply.begin() + 4);
     return true;
   }
 

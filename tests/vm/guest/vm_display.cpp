@@ -106,7 +106,7 @@ class CrcReader {
 
 ShowPlan plan_of(int width, int height) {
   ShowPlan plan;
-  plan.sequence = make_sequence(SequenceName::kRobust, {width, height}, SequenceAxes::kBoth).value();
+  plan.sequence = make_sequence(SequenceName::kFast, {width, height}, SequenceAxes::kBoth).value();
   return plan;
 }
 
@@ -136,7 +136,7 @@ TEST_CASE("Every page that is shown is on the display, pixel for pixel, by the d
     CHECK(crcs.next() == expected);  // and it stays
     seen.insert(expected);
   }
-  CHECK(seen.size() >= plan.sequence.frames.size() - 2);  // but for white and black all differ
+  CHECK(seen.size() == plan.sequence.frames.size());
   REQUIRE(projector.check());
   REQUIRE(projector.stop());
   crcs.skip_old();
