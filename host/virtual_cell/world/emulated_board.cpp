@@ -1,7 +1,6 @@
 #include "virtual_cell/world/emulated_board.hpp"
 
 #include <fcntl.h>
-#include <poll.h>
 #include <signal.h>
 #include <spawn.h>
 #include <sys/socket.h>
@@ -67,11 +66,9 @@ Result<std::unique_ptr<TriggerBoard>> EmulatedBoard::start(const TriggerBoardCho
     return std::unexpected(process.error());
   }
   std::unique_ptr<EmulatedBoard> board(new EmulatedBoard(ends[0], *process, link, std::move(on_edge)));
-  if (!board->await_ready()) {
-    return failure(
-        ResultCode::kServiceUnreachable,
-        "emulated trigger board: expected the firmware %s to start, found the emulator ended; see its message",
-        choice.firmware.c_str());
+  if (const std::string why = board->link_.await_ready(kReady_ms); !why.empty()) {
+    return failure(ResultCode::kServiceUnreachable, "emulated trigger board: the emulator did not start: %s",
+                   why.c_str());
   }
   board->thread_ = std::thread([raw = board.get()] { raw->run(); });
   return board;
@@ -89,13 +86,6 @@ EmulatedBoard::~EmulatedBoard() {
     if (waiting.elapsed_ms() > kEnd_ms) ::kill(process_, SIGKILL);
     std::this_thread::sleep_for(std::chrono::milliseconds(2));
   }
-}
-
-bool EmulatedBoard::await_ready() {
-  pollfd wait{link_.fd(), POLLIN, 0};
-  if (::poll(&wait, 1, kReady_ms) <= 0) return false;
-  PinMessage message;
-  return link_.receive(message, true) == PinLink::Received::kMessage && message.kind == Kind::kReady;
 }
 
 void EmulatedBoard::run() {

@@ -34,7 +34,6 @@ class EmulatedBoard final : public TriggerBoard {
  private:
   EmulatedBoard(int socket, pid_t process, std::string line, OnEdge on_edge);
 
-  bool await_ready();
   void run();
   void pass_edge(const host::PinMessage& message);
   void set_input(host::InputPin pin, bool level, std::uint64_t after_cycles);

@@ -72,15 +72,13 @@ Options parse(int argc, char** argv) {
   return options;
 }
 
-void run(const Options& options) {
+// `link`: to the cell; null where nobody is at the pins. `started` once the cell knows that the board runs.
+void run(const Options& options, beltpick::host::PinLink* link, bool& started) {
   const std::unique_ptr<emulator::Chip> chip = emulator::make_chip(options.elf, options.flash);
   emulator::LiveChip live(*chip, options.line);
-  std::unique_ptr<beltpick::host::PinLink> link;
   std::unique_ptr<emulator::PinWires> wires;
-  if (options.pins >= 0) {
-    link = std::make_unique<beltpick::host::PinLink>(options.pins);
-    wires = std::make_unique<emulator::PinWires>(*chip, live, *link);
-  }
+  if (link != nullptr) wires = std::make_unique<emulator::PinWires>(*chip, live, *link);
+  started = true;
   if (options.line.empty()) {
     std::printf("%s\n", live.tty().c_str());
     std::fflush(stdout);
@@ -99,10 +97,17 @@ int main(int argc, char** argv) {
   std::signal(SIGTERM, want_stop);
   // At ctrl-C the cell ends us, after itself.
   std::signal(SIGINT, options.pins >= 0 ? SIG_IGN : want_stop);
+  std::unique_ptr<beltpick::host::PinLink> link;
+  if (options.pins >= 0) link = std::make_unique<beltpick::host::PinLink>(options.pins);
+  bool started = false;
   try {
-    run(options);
+    run(options, link.get(), started);
   } catch (const std::exception& error) {
-    std::fprintf(stderr, "trigger_emulator: %s\n", error.what());
+    if (link != nullptr && !started) {
+      link->send_failure(error.what());
+    } else {
+      std::fprintf(stderr, "trigger_emulator: %s\n", error.what());
+    }
     return 1;
   }
   return 0;

@@ -8,6 +8,8 @@
 
 #include <cstdint>
 
+#include <string>
+
 #include "host/pin_edge.hpp"
 
 namespace beltpick::host {
@@ -54,6 +56,10 @@ class PinLink {
   enum class Received : std::uint8_t { kMessage, kNothing, kGone };
   // The next message; waits for it where `wait` is true.
   Received receive(PinMessage& message, bool wait);
+  // In place of kReady: why the board cannot start.
+  void send_failure(const std::string& why);
+  // Waits for kReady, at most so long. Empty when it came, else why not.
+  std::string await_ready(int timeout_ms);
   // Both sides find the other gone.
   void hang_up();
 
