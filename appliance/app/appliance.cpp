@@ -74,7 +74,7 @@ Stages::Stages(Arena& arena, const Settings& settings, Log& log, RunBook& book)
       stepped(wiring.trigger(), pages, settings.projector_latency_us),
       recorder(arena, settings, log),
       work(arena, settings,
-           {camera, projector.leads() ? stepped : wiring.trigger(), hub, recorder, projector, book, refused}) {
+           {camera, projector.leads() ? stepped : wiring.trigger(), hub, recorder, projector, book, refused, log}) {
   hub.on_load([this](const Geometry& geometry, LoadedRecipe& recipe) { return work.adopt(geometry, recipe); });
 }
 

@@ -82,6 +82,10 @@ Result<void> CaptureAndLocate::run_capture(FoldFrames& sink, const std::atomic<R
   if (!well) return well;
   if (!report) return std::unexpected(report.error());
   last_frame_us_ = report->last_frame_us;
+  if (report->late_frames > 0) {
+    to_.log.write(LogLevel::kWarning, "capture: %d frames of an earlier one came late, and were swallowed",
+                  report->late_frames);
+  }
   return sink.outcome();
 }
 

@@ -28,6 +28,7 @@ class CaptureAndLocate : public VisionWork {
     projector::ProjectorKeeper& projector;
     RunBook& book;
     const RefusedGrasps& refused;
+    Log& log;
   };
 
   CaptureAndLocate(Arena& arena, const Settings& settings, const Neighbours& neighbours);
