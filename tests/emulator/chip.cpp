@@ -114,7 +114,17 @@ void Chip::watch(Out pin, char port, int bit) {
       &watch);
 }
 
+// A pin that the firmware does not drive is low, by the resistor outside. The emulator lets the timer through to it all
+// the same, and inverts it when the timer overflows in set or clear mode.
+bool Chip::driven(Out pin) const {
+  const PinName& name = board(mcu_).out[static_cast<std::size_t>(pin)];
+  avr_ioport_state_t state{};
+  avr_ioctl(avr_, AVR_IOCTL_IOPORT_GETSTATE(name.port), &state);
+  return (state.ddr >> static_cast<unsigned>(name.bit) & 1U) != 0;
+}
+
 void Chip::note(Out pin, bool level) {
+  level = level && driven(pin);
   bool& known = levels_[static_cast<std::size_t>(pin)];
   if (known == level) return;
   known = level;

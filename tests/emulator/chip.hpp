@@ -88,6 +88,7 @@ class Chip {
   void run_due();
   void run_due_after_reset();
   void was_reset();
+  [[nodiscard]] bool driven(Out pin) const;
   void note(Out pin, bool level);
 
   Mcu mcu_;
