@@ -6,6 +6,7 @@
 
 #include <atomic>
 #include <catch2/catch.hpp>
+#include <cerrno>
 #include <chrono>
 #include <fstream>
 #include <thread>
@@ -56,15 +57,22 @@ struct Device {
   void serve() {
     stop = false;
     thread = std::thread([this] {
-      const int fd = ::open("/dev/hidg0", O_RDWR | O_CLOEXEC);
+      const int fd = ::open("/dev/hidg0", O_RDWR | O_CLOEXEC | O_NONBLOCK);
       while (!stop) {
         pollfd waiting{fd, POLLIN, 0};
         Dlpc350Gadget::Bytes report{}, reply{};
         if (::poll(&waiting, 1, 20) <= 0 || ::read(fd, report.data(), report.size()) != 64) continue;
-        if (gadget.take(report, reply) && ::write(fd, reply.data(), reply.size()) < 0) break;
+        if (gadget.take(report, reply)) send(fd, reply);
       }
       ::close(fd);
     });
+  }
+  // A reply that nobody fetches any more, because the cable was pulled, would block for ever.
+  void send(int fd, const Dlpc350Gadget::Bytes& reply) {
+    while (!stop && ::write(fd, reply.data(), reply.size()) < 0 && errno == EAGAIN) {
+      pollfd waiting{fd, POLLOUT, 0};
+      ::poll(&waiting, 1, 20);
+    }
   }
   void rest() {
     stop = true;
