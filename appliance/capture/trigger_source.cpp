@@ -10,7 +10,7 @@ using protocol::Refusal;
 ResultCode code_of(Fault fault) {
   if (fault == Fault::kBeltMoved) return ResultCode::kBeltMovedDuringCapture;
   if (fault == Fault::kEmergencyStop) return ResultCode::kEmergencyStop;
-  return static_cast<ResultCode>(static_cast<int>(ResultCode::kFirmwareFaultBase) + static_cast<int>(fault));
+  return firmware_code(fault);
 }
 
 ResultCode code_of(Refusal refusal) {

@@ -285,13 +285,17 @@ inline constexpr auto kResultCodes = std::to_array<ResultCodeEntry>({
     {ResultCode::kDuplicatePose, "DUPLICATE_POSE", "the pose overlaps one that is better supported", ""},
 });
 
-// The trigger firmware's faults as result codes, from the firmware's own table.
+// The trigger firmware's fault n as result code 200 + n.
+constexpr ResultCode firmware_code(protocol::Fault fault) {
+  return static_cast<ResultCode>(static_cast<int>(ResultCode::kFirmwareFaultBase) + static_cast<int>(fault));
+}
+
+// All of them, from the firmware's own table.
 inline constexpr auto kFirmwareResultCodes = [] {
   std::array<ResultCodeEntry, protocol::kFaultCount> entries{};
   for (std::size_t i = 0; i < entries.size(); ++i) {
     const protocol::FaultEntry& fault = protocol::kFaultTable[i];
-    const int code = static_cast<int>(ResultCode::kFirmwareFaultBase) + static_cast<int>(fault.fault);
-    entries[i] = {static_cast<ResultCode>(code), fault.name, fault.cause, fault.remedy};
+    entries[i] = {firmware_code(fault.fault), fault.name, fault.cause, fault.remedy};
   }
   return entries;
 }();
@@ -310,7 +314,7 @@ constexpr const ResultCodeEntry* find_result_code(ResultCode code) {
 constexpr std::string_view result_code_name(ResultCode code) {
   const ResultCodeEntry* entry = find_result_code(code);
   if (entry != nullptr) return entry->name;
-  return static_cast<std::uint16_t>(code) > 200 ? "FIRMWARE_FAULT" : "UNKNOWN";
+  return code > ResultCode::kFirmwareFaultBase ? "FIRMWARE_FAULT" : "UNKNOWN";
 }
 
 }  // namespace beltpick

@@ -1,9 +1,11 @@
 #include "pipeline/pose_finder.hpp"
 
 #include <algorithm>
+
 #include "base/units.hpp"
 #include "contract/pose_difference.hpp"
 #include "contract/result_codes.hpp"
+#include "pipeline/neighbourhood.hpp"
 #include "pipeline/outline_pairs.hpp"
 #include "pipeline/pose_hold.hpp"
 #include "result/rivalry.hpp"
@@ -126,43 +128,19 @@ Attempt PoseFinder::try_neighbourhoods(const Context& context) {
   const std::size_t all = sample_count_;
   const auto radius_mm = static_cast<float>(kNeighbourhoodShare * largest_diagonal_mm(context.models));
   Attempt nearest;
-  Vec3f start = highest(context);
-  for (int neighbourhood = 0; neighbourhood < kNeighbourhoods; ++neighbourhood) {
-    const Vec3f next = gather_round(start, all, radius_mm);
+  Vec3f start = highest_point_mm(sample(), context.scene.belt);
+  for (int i = 0; i < kNeighbourhoods; ++i) {
+    const Neighbourhood neighbourhood = gather_round(sample_.first(all), start, radius_mm);
+    sample_count_ = neighbourhood.count;
     if (sample_count_ == all) break;  // the object is no larger than that
     if (sample_count_ >= kLeastSample) {
       const Attempt part = try_routes(context);
       if (part.verified) return part;
       if (part.nearer_than(nearest)) nearest = part;
     }
-    start = next;
+    start = neighbourhood.farthest_mm;
   }
   return nearest;
-}
-
-// The point of the sample that lies highest above the belt, or nearest to the camera.
-Vec3f PoseFinder::highest(const Context& context) const {
-  const auto height = [&](const OrientedPoint& point) {
-    const Vec3 place = point.point_mm.cast<double>();
-    return context.scene.belt ? context.scene.belt->height_mm(place) : -place.z();
-  };
-  const auto points = sample();
-  return std::max_element(points.begin(), points.end(),
-                          [&](const auto& a, const auto& b) { return height(a) < height(b); })
-      ->point_mm;
-}
-
-// Moves the points of the whole sample within the radius to its front, in their order, and makes them the sample.
-// Returns the point farthest from `centre_mm`.
-Vec3f PoseFinder::gather_round(const Vec3f& centre_mm, std::size_t all, float radius_mm) {
-  const auto whole = sample_.first(all);
-  const auto distance = [&](const OrientedPoint& point) { return (point.point_mm - centre_mm).norm(); };
-  const Vec3f farthest = std::max_element(whole.begin(), whole.end(), [&](const auto& a, const auto& b) {
-                           return distance(a) < distance(b);
-                         })->point_mm;
-  const auto end = std::partition(whole.begin(), whole.end(), [&](const auto& p) { return distance(p) < radius_mm; });
-  sample_count_ = static_cast<std::size_t>(end - whole.begin());
-  return farthest;
 }
 
 // The first route that ends with a verified pose, or the one that came nearest to it.

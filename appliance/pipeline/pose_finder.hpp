@@ -44,8 +44,6 @@ class PoseFinder {
   Attempt try_route(const Context& context, Effort route);
   Attempt try_routes(const Context& context);
   Attempt try_neighbourhoods(const Context& context);
-  [[nodiscard]] Vec3f highest(const Context& context) const;
-  Vec3f gather_round(const Vec3f& centre_mm, std::size_t all, float radius_mm);
   void collect(const Context& context, int model_index, Effort route);
   void search_by_primitives(const Context& context, const PartModel& model, search::HypothesisPool& pool);
   void search_by_planes(const Context& context, const PartModel& model, search::HypothesisPool& pool);

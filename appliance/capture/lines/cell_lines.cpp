@@ -148,8 +148,9 @@ void CellLines::permit_belt(bool may_move) {
 }
 
 void CellLines::drive_permission() {
-  const CellInputs inputs = this->inputs();
+  // Looked at under the lock: of two threads the one that writes last must not have looked first.
   const std::lock_guard lock(mutex_);
+  const CellInputs inputs = this->inputs();
   const bool wanted = permitted_ && inputs.known && !inputs.emergency_stop && !inputs.fault;
   if (permission_ == nullptr || wanted == driven_) return;
   driven_ = wanted;

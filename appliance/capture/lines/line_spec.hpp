@@ -23,9 +23,9 @@ struct LineSpec {
 
 inline constexpr const char* kLineSpecForm = "[CHIP:]LINE [active-low] [pull-up|pull-down]";
 
-// Reads kLineSpecForm [active-low] [pull-up|pull-down]", e.g. "17 active-low pull-up" or "gpiochip1:ESTOP"; without a
-// chip the line is one of `default_chip`; an empty text is a line that is not wired. A line that is a number alone
-// counts as one. Error: kValueOutOfRange with what was expected.
+// Reads kLineSpecForm, e.g. "17 active-low pull-up" or "gpiochip1:ESTOP"; without a chip the line is one of
+// `default_chip`; an empty text is a line that is not wired. A line that is a number alone counts as one. Error:
+// kValueOutOfRange with what was expected.
 Result<LineSpec> parse_line_spec(const std::string& text, const std::string& default_chip);
 
 // The line's number; nothing where it is named.

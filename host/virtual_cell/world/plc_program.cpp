@@ -238,8 +238,9 @@ void PlcProgram::close_fault(bool recovered) {
       return std::find(fault_->codes.begin(), fault_->codes.end(), static_cast<std::uint16_t>(code)) !=
              fault_->codes.end();
     };
-    fault_->answered =
-        entry.expected == ResultCode::kOk ? fault_->codes.empty() : told(entry.expected) || told(entry.or_else);
+    fault_->answered = entry.expected == ResultCode::kOk
+                           ? fault_->codes.empty()
+                           : told(entry.expected) || (entry.or_else && told(*entry.or_else));
     fault_->recovered = recovered;
     report_.faults.push_back(*fault_);
   }

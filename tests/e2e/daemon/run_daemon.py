@@ -15,6 +15,7 @@ sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "support" /
 from daemon_config import cell_config  # noqa: E402
 from free_places import free_port  # noqa: E402
 from modbus_plc import Plc, expect  # noqa: E402
+from waiting import wait_until  # noqa: E402
 
 START, END, CLEAR = 1, 5, 6
 CAPTURING, RELEASED = 3, 6
@@ -32,9 +33,7 @@ class Bench:
              "--sequence", cell / "sequence.json", "--plc", f"127.0.0.1:{nobody}", "--camera-address", self.camera,
              "--trigger", run / "trigger", "--wait", "300"],
             stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-        give_up = time.monotonic() + 30
-        while not (run / "trigger").exists() and time.monotonic() < give_up:
-            time.sleep(0.05)
+        wait_until("the virtual cell's trigger", (run / "trigger").exists, 30)
 
     def config(self, points=40000):
         path = self.run / f"beltpickd-{points}.toml"

@@ -18,6 +18,7 @@ sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "support" /
 import api_client  # noqa: E402
 from free_places import free_camera_address, free_port  # noqa: E402
 from modbus_plc import expect  # noqa: E402
+from waiting import wait_until  # noqa: E402
 
 CONFIG = """[camera]
 id = "{camera}"
@@ -60,9 +61,7 @@ class Bench:
              "--sequence", cell / "sequence.json", "--plc", f"127.0.0.1:{free_port()}", "--camera-address",
              self.values["camera"], "--trigger", run / "trigger", "--wait", "300"],
             stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-        give_up = time.monotonic() + 30
-        while not (run / "trigger").exists() and time.monotonic() < give_up:
-            time.sleep(0.05)
+        wait_until("the virtual cell's trigger", (run / "trigger").exists, 30)
 
     def config(self, **changed):
         path = self.run / "beltpickd.toml"
@@ -214,14 +213,6 @@ def answers(client):
         return client.ask("GET", "/health").status == 200
     except OSError:
         return False
-
-
-def wait_until(what, condition, patience_s=25):
-    give_up = time.monotonic() + patience_s
-    while not condition():
-        if time.monotonic() > give_up:
-            sys.exit(f"{what}: not within {patience_s} s")
-        time.sleep(0.2)
 
 
 def main():

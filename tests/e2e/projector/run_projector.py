@@ -10,25 +10,18 @@ import pathlib
 import shutil
 import subprocess
 import sys
-import time
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "support" / "python"))
 from daemon_config import cell_config  # noqa: E402
 from free_places import free_camera_address, free_port  # noqa: E402
+from waiting import wait_until  # noqa: E402
 
 PARTS = 30
+PATIENCE_S = 40
 # What goes wrong, its result code, and words of the line that says what exactly.
 FAULTS = [("refuse", "PROJECTOR_REFUSED", "refused command 0x"), ("silent", "PROJECTOR_SILENT", "expected a reply within"),
           ("other-reply", "PROJECTOR_WRONG_REPLY", "expected the reply"),
           ("fault", "PROJECTOR_FAULT", "it reports: sequencer error"), ("unplug", "PROJECTOR_LOST", "projector")]
-
-
-def wait_until(what, condition, patience_s=40):
-    give_up = time.monotonic() + patience_s
-    while not condition():
-        if time.monotonic() > give_up:
-            sys.exit(f"{what}: not within {patience_s} s")
-        time.sleep(0.02)
 
 
 def stops(log):
@@ -62,17 +55,17 @@ def run(bin_folder, gadget, cell, work):
             projector.stdin.flush()
 
         try:
-            wait_until("the trigger", (work / "trigger").exists)
+            wait_until("the trigger", (work / "trigger").exists, PATIENCE_S)
             daemon = subprocess.Popen([bin_folder / "beltpickd", "--config", work / "beltpickd.toml"], stderr=daemon_out)
-            wait_until("the first stop", lambda: stops(world_log) >= 1)
+            wait_until("the first stop", lambda: stops(world_log) >= 1, PATIENCE_S)
             for word, code, line in FAULTS:
                 told = daemon_log.read_text().count(code)
                 tell(word)
-                wait_until(code, lambda: daemon_log.read_text().count(code) > told)
-                wait_until(f"a line with '{line}'", lambda: line in daemon_log.read_text())
+                wait_until(code, lambda: daemon_log.read_text().count(code) > told, PATIENCE_S)
+                wait_until(f"a line with '{line}'", lambda: line in daemon_log.read_text(), PATIENCE_S)
                 done = stops(world_log)
                 tell("plug" if word == "unplug" else "well")
-                wait_until(f"a stop after {code}", lambda: stops(world_log) > done)
+                wait_until(f"a stop after {code}", lambda: stops(world_log) > done, PATIENCE_S)
                 print(f"{word}: {code}, and on it goes")
         finally:
             for process in (daemon, world, projector):

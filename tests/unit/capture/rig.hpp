@@ -99,6 +99,28 @@ class Cell {
   Random random_{3};
 };
 
+inline constexpr int kMaxFrames = 32;
+
+inline capture::CameraConfig camera_config() {
+  return {.id = own_address(), .width = kCols, .height = kRows, .watch_ms = 200};
+}
+
+// What the capture side takes of an arena.
+inline std::size_t measured_bytes() {
+  Arena arena;
+  const capture::Camera camera(camera_config(), arena);
+  const capture::FrameCheck check(kMaxFrames, arena);
+  return arena.used_bytes();
+}
+
+// Of an appliance with capture() and the text of its last error.
+template <class Appliance>
+void check_captures_well(Appliance& appliance) {
+  const ResultCode code = appliance.capture();
+  INFO(appliance.text);
+  CHECK(code == ResultCode::kOk);
+}
+
 // The appliance's side.
 class Appliance : public capture::FrameSink {
  public:
@@ -107,9 +129,9 @@ class Appliance : public capture::FrameSink {
       : plan_(*capture::make_plan(
             patterns::standard(),
             {.exposure_us = 1000, .settle_us = 300, .readout_us = 6000, .strobe_tolerance_us = 800})),
-        block_(measured()),
+        block_(measured_bytes()),
         arena_(block_.data(), block_.bytes()),
-        camera(config(), arena_),
+        camera(camera_config(), arena_),
         trigger({.tty = cell.board->tty()}),
         stepped(show != nullptr ? std::make_unique<capture::SteppedTrigger>(trigger, *show, 2000) : nullptr),
         run_(camera, stepped ? static_cast<capture::TriggerSource&>(*stepped) : trigger, kMaxFrames, arena_) {
@@ -140,17 +162,6 @@ class Appliance : public capture::FrameSink {
   }
 
  private:
-  static constexpr int kMaxFrames = 32;
-  static capture::CameraConfig config() {
-    return {.id = own_address(), .width = kCols, .height = kRows, .watch_ms = 200};
-  }
-  static std::size_t measured() {
-    Arena arena;
-    const capture::Camera camera(config(), arena);
-    const capture::FrameCheck check(kMaxFrames, arena);
-    return arena.used_bytes();
-  }
-
   capture::CapturePlan plan_;
   ArenaBlock block_;
   Arena arena_;

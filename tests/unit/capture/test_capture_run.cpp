@@ -47,9 +47,7 @@ TEST_CASE("a frame fault has its own code, and the next capture is good", "[capt
     CHECK(static_cast<int>(found) == code);
     const bool named = appliance.text.find("frame " + std::to_string(frame)) != std::string::npos;
     CHECK(named);
-    const ResultCode next = appliance.capture();
-    INFO(appliance.text);
-    CHECK(next == ResultCode::kOk);
+    check_captures_well(appliance);
   }
 }
 
@@ -67,9 +65,7 @@ TEST_CASE("stragglers of a failed capture are not taken for frames of the next",
   REQUIRE(appliance.capture() == ResultCode::kOk);
   cell.slow_frame = 5;  // comes long after the capture was given up
   CHECK(appliance.capture() == ResultCode::kFrameMissing);
-  const ResultCode next = appliance.capture();
-  INFO(appliance.text);
-  CHECK(next == ResultCode::kOk);
+  check_captures_well(appliance);
 }
 
 TEST_CASE("an exposure that nobody triggered between two captures is told once, by its name", "[capture run]") {
@@ -81,9 +77,7 @@ TEST_CASE("an exposure that nobody triggered between two captures is told once, 
   cell.camera->line_edge(false, monotonic_us());
   std::this_thread::sleep_for(std::chrono::milliseconds(300));  // for its image to arrive
   CHECK(appliance.capture() == ResultCode::kFrameExtra);
-  const ResultCode next = appliance.capture();
-  INFO(appliance.text);
-  CHECK(next == ResultCode::kOk);
+  check_captures_well(appliance);
 }
 
 TEST_CASE("a missed projector advance is a repeated pattern", "[capture run]") {
@@ -142,9 +136,7 @@ TEST_CASE("interlocks abort the capture with their code, and nothing is left beh
   }
   cell.on_pulse = {};
   appliance.on_frame = {};
-  const ResultCode next = appliance.capture();
-  INFO(appliance.text);
-  CHECK(next == ResultCode::kOk);
+  check_captures_well(appliance);
 }
 
 TEST_CASE("a trigger that falls silent is lost, and the capture after its return is good", "[capture run]") {
@@ -159,9 +151,7 @@ TEST_CASE("a trigger that falls silent is lost, and the capture after its return
   appliance.on_frame = {};
   cell.board->mute(false);
   REQUIRE(eventually([&] { return appliance.ready(); }));
-  const ResultCode next = appliance.capture();
-  INFO(appliance.text);
-  CHECK(next == ResultCode::kOk);
+  check_captures_well(appliance);
 }
 
 TEST_CASE("a dead camera is lost, is reopened by itself, and the next capture is good", "[capture run]") {
@@ -187,9 +177,7 @@ TEST_CASE("a dead camera is lost, is reopened by itself, and the next capture is
   appliance.on_frame = {};
   cell.camera->revive();
   REQUIRE(eventually([&] { return appliance.ready(); }, 60000));
-  const ResultCode next = appliance.capture();
-  INFO(appliance.text);
-  CHECK(next == ResultCode::kOk);
+  check_captures_well(appliance);
 }
 
 TEST_CASE("a camera that dies between captures is noticed", "[capture run]") {

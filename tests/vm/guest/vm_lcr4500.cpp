@@ -1,4 +1,4 @@
-// The LightCrafter 4500 driver over a real /dev/hidraw: the gadget at the other end of the (dummy) USB cable is a
+// The LightCrafter 4500 driver over a real /dev/hidraw: the gadget at the other end of the simulated USB cable is a
 // DLPC350 of our own, served here in a thread. guest/lcr4500.sh plugs it together.
 #include <fcntl.h>
 #include <poll.h>

@@ -14,9 +14,9 @@ class LineAppliance : public capture::FrameSink {
       : plan_(*capture::make_plan(
             patterns::standard(),
             {.exposure_us = 2000, .settle_us = 1000, .readout_us = 30'000, .strobe_tolerance_us = 20'000})),
-        block_(measured()),
+        block_(measured_bytes()),
         arena_(block_.data(), block_.bytes()),
-        camera_(config(), arena_),
+        camera_(camera_config(), arena_),
         run_(camera_, trigger_, kMaxFrames, arena_) {
     wire(cell, "camera", host::Pin::kCameraTrigger);
     wire(cell, "projector", host::Pin::kProjectorAdvance);
@@ -33,27 +33,17 @@ class LineAppliance : public capture::FrameSink {
 
   void take(int, ImageView<const std::uint8_t>) override { ++taken; }
 
-  int capture() {
+  ResultCode capture() {
     taken = 0;
     const auto report = run_.run(plan_, *this, cancel_);
     text = report ? "" : report.error().detail;
-    return report ? 0 : static_cast<int>(report.error().code);
+    return report ? ResultCode::kOk : report.error().code;
   }
 
   int taken = 0;
   std::string text;
 
  private:
-  static constexpr int kMaxFrames = 32;
-  static capture::CameraConfig config() {
-    return {.id = own_address(), .width = kCols, .height = kRows, .watch_ms = 200};
-  }
-  static std::size_t measured() {
-    Arena arena;
-    const capture::Camera camera(config(), arena);
-    const capture::FrameCheck check(kMaxFrames, arena);
-    return arena.used_bytes();
-  }
   void wire(Cell& cell, const char* name, host::Pin pin) {
     gpio_.wires[name].on_write = [&cell, pin](const capture::LineEdge& edge) {
       cell.on_edge({pin, edge.active, 0, edge.at_us * 1000});
@@ -79,18 +69,15 @@ TEST_CASE("captures by lines of the PC: good ones, and a fault's code", "[line c
   Cell cell;
   LineAppliance appliance(cell);
   for (int i = 0; i < 3; ++i) {
-    const int code = appliance.capture();
-    INFO(appliance.text);
-    CHECK(code == 0);
+    check_captures_well(appliance);
     CHECK(appliance.taken == 17);
   }
   CHECK(cell.camera->edges_while_exposing() == 0);
-  for (const auto& [fault, expected] : {std::pair{FrameFault::kMissTrigger, 132}, {FrameFault::kLoseFrame, 100}}) {
+  for (const auto& [fault, expected] : {std::pair{FrameFault::kMissTrigger, ResultCode::kCameraNotTriggered},
+                                        {FrameFault::kLoseFrame, ResultCode::kFrameMissing}}) {
     cell.camera->inject(fault, 5);
     CHECK(appliance.capture() == expected);
     CHECK_THAT(appliance.text, Catch::Contains("frame 5"));
-    const int next = appliance.capture();
-    INFO(appliance.text);
-    CHECK(next == 0);
+    check_captures_well(appliance);
   }
 }
