@@ -13,6 +13,7 @@ using Run = std::function<Result<void>(Session&)>;
 
 // Adds a command's options to `app` and returns what it does. Every command calls example(); --json is there already.
 Run add_patterns(CLI::App& app);
+Run add_calibrate(CLI::App& app);
 Run add_decode(CLI::App& app);
 Run add_segment(CLI::App& app);
 Run add_primitives(CLI::App& app);

@@ -29,6 +29,7 @@ constexpr const char* kTryOut = "Trying out without hardware";
 // A line a command, in the order in which --help shows them.
 constexpr Command kCommands[] = {
     {"patterns", kSetUp, "write the images that the projector shows, and sequence.json", add_patterns},
+    {"calibrate", kSetUp, "find the geometry of camera and projector, compare and check it", add_calibrate},
     {"decode", kMeasure, "a capture to projector coordinates, and to a cloud", add_decode},
     {"segment", kMeasure, "the objects of a capture or a cloud", add_segment},
     {"primitives", kMeasure, "planes, cylinders and spheres of each object", add_primitives},
