@@ -12,6 +12,7 @@
 #include "options.hpp"
 #include "progress.hpp"
 #include "simulate_live.hpp"
+#include "simulate_targets.hpp"
 #include "virtual_cell/render/capture_folder.hpp"
 #include "virtual_cell/render/rig_calibration.hpp"
 #include "virtual_cell/render/scene.hpp"
@@ -22,10 +23,11 @@ namespace {
 namespace vc = virtual_cell;
 
 constexpr int kMaxPartsInView = 12;
+constexpr double kTargetBlurPx = 0.4;  // of a good lens with pixels of 3 to 5 micrometres
 const std::vector<std::string> kLays{"flat", "edge", "any", "leaning", "cut"};
 
 struct SimulateOptions {
-  std::string out, write_parts, rig_file, camera_size, projector_size;
+  std::string out, write_parts, rig_file, camera_size, projector_size, board;
   std::string scene = "belt", sequence = "standard", axes = "column";
   std::vector<std::string> parts{"knuckle"}, lays;
   double mm_per_unit = 1.0;
@@ -34,6 +36,7 @@ struct SimulateOptions {
   bool noise_free = false;
   vc::RigOptions rig;
   vc::RenderOptions render;
+  TargetOptions targets;
   LiveOptions live;
 };
 
@@ -90,11 +93,12 @@ Result<std::vector<vc::ScenePart>> load_parts(const SimulateOptions& options) {
   return parts;
 }
 
-Result<vc::Scene> make_scene(const SimulateOptions& options, const vc::SceneMaker& maker, std::uint64_t seed) {
+Result<vc::Scene> lay_parts(const SimulateOptions& options, const vc::SceneMaker& maker, std::uint64_t seed) {
   if (options.scene.starts_with("paper:")) return maker.make_paper_scene(std::atoi(options.scene.c_str() + 6), seed);
   if (options.scene == "bare" || options.scene == "plane") return vc::Scene{};
   if (options.scene != "belt")
-    return failure(ResultCode::kUsage, "--scene: expected paper:1..12, belt, plane or bare, found '%s'",
+    return failure(ResultCode::kUsage,
+                   "--scene: expected paper:1..12, belt, plane, bare, plate or plate-on-belt, found '%s'",
                    contract_io::one_line(options.scene).substr(0, 60).c_str());
   if (options.lays.empty() && options.parts_in_view == 3) return maker.make_belt(3, seed).front();
   std::vector<vc::Lay> lays(static_cast<std::size_t>(options.parts_in_view), vc::Lay::kAny);
@@ -119,33 +123,78 @@ struct Rendered {
   std::string text;
 };
 
+// What a capture is of: parts laid down by seed, or a scene of known shape.
+class Stage {
+ public:
+  static Result<Stage> make(const SimulateOptions& options, const vc::Rig& rig) {
+    Stage stage(options, rig);
+    if (is_target_scene(options.scene)) {
+      auto targets = make_target_stage(options.scene, options.targets, rig, options.count, options.seed);
+      if (!targets) return std::unexpected(targets.error());
+      stage.parts_ = std::move(targets->parts);
+      stage.targets_ = std::move(targets->scenes);
+      return stage;
+    }
+    auto parts = load_parts(options);
+    if (!parts) return std::unexpected(parts.error());
+    stage.parts_ = std::move(*parts);
+    stage.maker_ = std::make_unique<vc::SceneMaker>(stage.parts_, rig);
+    return stage;
+  }
+
+  [[nodiscard]] const std::vector<vc::ScenePart>& parts() const { return parts_; }
+
+  Result<vc::TargetScene> scene(int k, contract_io::Warnings& warnings) const {
+    if (maker_ == nullptr) return targets_[static_cast<std::size_t>(k)];
+    const std::uint64_t seed = options_->seed + static_cast<std::uint64_t>(k);
+    const auto scene = lay_parts(*options_, *maker_, seed);
+    if (!scene) return std::unexpected(scene.error());
+    const auto wanted = static_cast<std::size_t>(options_->scene == "belt" ? options_->parts_in_view : 0);
+    if (scene->size() < wanted) {
+      warnings.push_back("seed " + std::to_string(seed) + ": room for " + std::to_string(scene->size()) +
+                         " parts in view, " + std::to_string(wanted) + " asked for");
+    }
+    return vc::TargetScene{vc::instances_of(*scene, *rig_), {}, {}};
+  }
+
+ private:
+  Stage(const SimulateOptions& options, const vc::Rig& rig) : options_(&options), rig_(&rig) {}
+
+  const SimulateOptions* options_;
+  const vc::Rig* rig_;
+  std::vector<vc::ScenePart> parts_;
+  std::vector<vc::TargetScene> targets_;
+  std::unique_ptr<vc::SceneMaker> maker_;
+};
+
+std::filesystem::path capture_folder(const SimulateOptions& options, int k) {
+  if (options.count == 1) return options.out;
+  char name[16];
+  std::snprintf(name, sizeof name, "%03d", k);
+  return std::filesystem::path(options.out) / name;
+}
+
 // The captures of --count scenes, one folder each.
-Result<Rendered> render(const SimulateOptions& options, const vc::Rig& rig, const Sequence& sequence,
-                        const std::vector<vc::ScenePart>& parts, bool quiet) {
+Result<Rendered> render(const SimulateOptions& options, const vc::Rig& rig, const Sequence& sequence, bool quiet) {
   Rendered rendered;
-  const vc::SceneMaker maker(parts, rig);
-  vc::SceneRenderer renderer(rig, parts, options.render);
+  const auto stage = Stage::make(options, rig);
+  if (!stage) return std::unexpected(stage.error());
+  vc::SceneRenderer renderer(rig, stage->parts(), options.render);
   const int frames = static_cast<int>(sequence.frames.size());
+  // A plate is not held before a belt that has just stopped.
+  const vc::CaptureTiming timing{is_target_scene(options.scene) ? 5.0 : vc::CaptureTiming{}.settle_s};
   Progress progress("simulate", options.count * frames, quiet);
   int exposed = 0;
   for (int k = 0; k < options.count; ++k) {
-    const std::uint64_t seed = options.seed + static_cast<std::uint64_t>(k);
-    const auto scene = make_scene(options, maker, seed);
+    const auto scene = stage->scene(k, rendered.warnings);
     if (!scene) return std::unexpected(scene.error());
-    const auto wanted = static_cast<std::size_t>(options.scene == "belt" ? options.parts_in_view : 0);
-    if (scene->size() < wanted) {
-      rendered.warnings.push_back("seed " + std::to_string(seed) + ": room for " + std::to_string(scene->size()) +
-                                  " parts in view, " + std::to_string(wanted) + " asked for");
-    }
-    char name[16];
-    std::snprintf(name, sizeof name, "%03d", k);
-    std::filesystem::path folder = options.out;
-    if (options.count > 1) folder /= name;
+    const std::filesystem::path folder = capture_folder(options, k);
     if (auto written = write_rig_files(rig, sequence, folder); !written) return std::unexpected(written.error());
-    const std::vector<vc::PartInstance> instances = vc::instances_of(*scene, rig);
-    renderer.place(instances, seed);
-    const Truth truth = vc::truth_of(renderer, instances, parts);
-    const auto written = vc::write_capture_folder(renderer, options.render, sequence, truth, {}, folder,
+    renderer.place(scene->instances, options.seed + static_cast<std::uint64_t>(k));
+    Truth truth = vc::truth_of(renderer, scene->instances, stage->parts());
+    truth.plate = scene->plate;
+    truth.targets = scene->targets;
+    const auto written = vc::write_capture_folder(renderer, options.render, sequence, truth, timing, folder,
                                                   [&] { progress.show(++exposed); });
     if (!written) return std::unexpected(written.error());
     rendered.captures.push_back({{"folder", folder.string()}, {"parts", truth.parts.size()}, {"frames", frames}});
@@ -156,23 +205,34 @@ Result<Rendered> render(const SimulateOptions& options, const vc::Rig& rig, cons
 }
 
 // A belt of --parts parts, in real time.
-Result<void> run_live(const SimulateOptions& options, const CLI::App& app, std::vector<vc::ScenePart> parts,
-                      Session& session) {
+Result<void> run_live(const SimulateOptions& options, const CLI::App& app, Session& session) {
+  auto parts = load_parts(options);
+  if (!parts) return std::unexpected(parts.error());
   const auto rig = make_rig(options, app);
   if (!rig) return std::unexpected(rig.error());
   auto sequence = find_sequence(options, *rig, session);
   if (!sequence) return std::unexpected(sequence.error());
-  LiveCell cell{*rig, std::move(parts), std::move(*sequence), options.render, 24, options.seed};
+  LiveCell cell{*rig, std::move(*parts), std::move(*sequence), options.render, 24, options.seed};
   if (app.count("--parts") > 0) cell.count = options.parts_in_view;
   return run_live(options.live, std::move(cell), session);
 }
 
+// --board names a plate's corners, or of a live cell the kind of trigger board.
+Result<void> take_board(SimulateOptions& options) {
+  if (options.board.empty()) return {};
+  if (options.live.live && options.board != "emulated" && options.board != "host") {
+    return failure(ResultCode::kUsage, "--board: expected emulated or host with --live, found '%s'",
+                   contract_io::one_line(options.board).substr(0, 60).c_str());
+  }
+  (options.live.live ? options.live.board : options.targets.board) = options.board;
+  return {};
+}
+
 Result<void> run(SimulateOptions options, const CLI::App& app, Session& session) {
-  auto parts = load_parts(options);
-  if (!parts) return std::unexpected(parts.error());
+  if (auto taken = take_board(options); !taken) return taken;
   options.render.noise = !options.noise_free;
   if (!options.lays.empty() && app.count("--parts") == 0) options.parts_in_view = static_cast<int>(options.lays.size());
-  if (options.live.live) return run_live(options, app, std::move(*parts), session);
+  if (options.live.live) return run_live(options, app, session);
   if (options.parts_in_view > kMaxPartsInView) {
     return failure(ResultCode::kUsage, "--parts: expected at most %d in one view, found %d; more need --live",
                    kMaxPartsInView, options.parts_in_view);
@@ -180,6 +240,8 @@ Result<void> run(SimulateOptions options, const CLI::App& app, Session& session)
   contract_io::Json answer = contract_io::Json::object();
   std::string text;
   if (!options.write_parts.empty()) {
+    const auto parts = load_parts(options);
+    if (!parts) return std::unexpected(parts.error());
     for (const vc::ScenePart& part : *parts) {
       if (auto written = vc::write_part(part, options.write_parts); !written) return written;
       answer["parts"].push_back(options.write_parts + "/" + part.name + ".stl");
@@ -187,12 +249,16 @@ Result<void> run(SimulateOptions options, const CLI::App& app, Session& session)
     }
   }
   if (!options.out.empty()) {
+    if (is_target_scene(options.scene)) {
+      if (app.count("--axes") == 0) options.axes = "both";
+      if (app.count("--camera-blur-px") == 0) options.render.camera_blur_px = kTargetBlurPx;
+    }
     if (options.scene == "plane") options.render.background = vc::Background::kPlane;
     const auto rig = make_rig(options, app);
     if (!rig) return std::unexpected(rig.error());
     const auto sequence = find_sequence(options, *rig, session);
     if (!sequence) return std::unexpected(sequence.error());
-    const auto rendered = render(options, *rig, *sequence, *parts, session.json);
+    const auto rendered = render(options, *rig, *sequence, session.json);
     if (!rendered) return std::unexpected(rendered.error());
     session.warn(rendered->warnings);
     answer["captures"] = rendered->captures;
@@ -222,6 +288,9 @@ void add_light_options(CLI::App& app, SimulateOptions& options) {
       ->check(CLI::Range(0.3, 3.0));
   app.add_option("--ambient", options.render.ambient_share, "ambient light against white (default 0.06)")
       ->check(CLI::Range(0.0, 2.0));
+  app.add_option("--camera-blur-px", options.render.camera_blur_px,
+                 "standard deviation of the camera lens's point spread (default 0; plates and targets 0.4)")
+      ->check(CLI::Range(0.0, 20.0));
   app.add_option("--sway-mm", options.render.sway_mm, "sway of the belt at its stop (default 0.25)")
       ->check(CLI::Range(0.0, 20.0));
   app.add_option("--exposure-us", options.render.nominal_exposure_us, "of every frame (default 8000)")
@@ -236,7 +305,7 @@ void add_light_options(CLI::App& app, SimulateOptions& options) {
 Run add_simulate(CLI::App& app) {
   const auto options = std::make_shared<SimulateOptions>();
   app.add_option("--out", options->out, "folder of the capture; with --count of 000, 001, ...")->type_name("DIR");
-  app.add_option("--scene", options->scene, "paper:1..12, belt, plane or bare (default belt)");
+  app.add_option("--scene", options->scene, "paper:1..12, belt, plane, bare, plate or plate-on-belt (default belt)");
   app.add_option("--part", options->parts, "knuckle, elbow, bracket or a mesh file; repeat to mix (default knuckle)");
   app.add_option("--mm-per-unit", options->mm_per_unit, "of mesh files (default 1)")->check(CLI::Range(1e-6, 1e6));
   app.add_option("--parts", options->parts_in_view,
@@ -248,14 +317,20 @@ Run add_simulate(CLI::App& app) {
   app.add_option("--seed", options->seed, "of scene, surfaces and noise (default 1)");
   app.add_option("--count", options->count, "captures, seeds counting up (default 1)")->check(CLI::Range(1, 1000));
   app.add_option("--sequence", options->sequence, "fast, standard, robust or a sequence.json (default standard)");
-  app.add_option("--axes", options->axes, "what a named sequence codes (default column)")
+  app.add_option("--axes", options->axes, "what a named sequence codes (default column; plates both)")
       ->check(CLI::IsMember(choices(kSequenceAxesNames)));
   app.add_option("--write-parts", options->write_parts, "write meshes and grasps of the parts")->type_name("DIR");
   add_rig_options(app, *options);
   add_light_options(app, *options);
+  app.add_option(
+      "--board", options->board,
+      "plate: inner corners, columns x rows (default 11x8); live: what the trigger board is: emulated, the firmware's "
+      "real ELF in an emulated microcontroller, or host, its core on this PC (default host)");
+  add_target_options(app, options->targets);
   add_live_options(app, options->live);
   example(app,
           "  beltpick simulate --out scene --scene paper:5 --seed 7 --sequence standard\n"
+          "  beltpick simulate --out plates --scene plate --board 11x8 --square-mm 20 --count 15 --seed 7\n"
           "  beltpick simulate --live --parts 24 --seed 7 --report report.json\n"
           "  beltpick simulate --write-parts parts --part knuckle --part elbow");
   return [options, &app](Session& session) { return run(*options, app, session); };

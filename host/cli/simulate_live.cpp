@@ -110,11 +110,6 @@ void add_live_options(CLI::App& app, LiveOptions& options) {
   app.add_option("--camera-address", options.camera, "live: loopback address of the camera (default 127.0.0.1)");
   app.add_option("--serial", options.serial, "live: serial number of the camera (default BP0001)");
   app.add_option("--trigger", options.trigger, "live: where the trigger board's tty is linked to");
-  app.add_option(
-         "--board", options.board,
-         "live: what the trigger board is: emulated, the firmware's real ELF in an emulated microcontroller, or "
-         "host, its core on this PC (default host)")
-      ->check(CLI::IsMember({"emulated", "host"}));
   app.add_option("--firmware", options.firmware, "live: the ELF that the emulated board runs (default: as built)")
       ->type_name("ELF");
   app.add_option("--report", options.report, "live: write the report to this file")->type_name("FILE");

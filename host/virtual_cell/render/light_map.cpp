@@ -4,6 +4,7 @@
 #include <functional>
 #include <thread>
 
+#include "virtual_cell/render/board_print.hpp"
 #include "virtual_cell/render/pattern_light.hpp"
 #include "virtual_cell/render/surface.hpp"
 
@@ -29,14 +30,15 @@ class Caster {
     focus_mm_ = static_cast<float>((rig.T_projector_camera * rig.T_camera_belt.translation_mm).norm()) - 25.0F;
   }
 
-  [[nodiscard]] LightSample trace(const Vec3f& ray) const {
+  // `width_px`: of the square share of a pixel that the ray stands for.
+  [[nodiscard]] LightSample trace(const Vec3f& ray, float width_px) const {
     LightSample sample;
     const RayHit hit = scene_.cast(Vec3f::Zero(), ray);
     if (hit.instance == kHitNothing) return sample;
     sample.instance = static_cast<std::int16_t>(hit.instance);
     sample.distance = hit.distance;
     const Vec3f point = hit.distance * ray;
-    const Surface surface = surface_at(hit);
+    const Surface surface = surface_at(hit, ray, width_px, sample);
     const Vec3f to_eye = -ray.normalized();
     const float vignetting = std::pow(-to_eye.z(), 4.0F);  // the cosine-fourth law of the camera's lens
     sample.ambient = scattered_ambient(surface, up_) * vignetting;
@@ -46,12 +48,35 @@ class Caster {
   }
 
  private:
-  [[nodiscard]] Surface surface_at(const RayHit& hit) const {
-    if (hit.instance != kHitBelt) {
-      return steel_surface(hit.local_mm, hit.normal, seed_ + 977U * static_cast<std::uint32_t>(hit.instance + 1));
+  [[nodiscard]] Surface surface_at(const RayHit& hit, const Vec3f& ray, float width_px, LightSample& sample) const {
+    if (hit.instance == kHitBelt) {
+      return options_.background == Background::kPlane ? matt_plane_surface(hit.normal)
+                                                       : belt_surface(hit.local_mm, hit.normal, seed_);
     }
-    return options_.background == Background::kPlane ? matt_plane_surface(hit.normal)
-                                                     : belt_surface(hit.local_mm, hit.normal, seed_);
+    const std::uint32_t seed = seed_ + 977U * static_cast<std::uint32_t>(hit.instance + 1);
+    const ScenePart& part = scene_.part(scene_.instances()[hit.instance].part);
+    if (part.finish == Finish::kSteel) return steel_surface(hit.local_mm, hit.normal, seed);
+    if (part.finish == Finish::kMattWhite) return painted_surface(hit.local_mm, hit.normal, seed);
+    const float share = ink_share(hit, *part.print, ray, width_px);
+    sample.ink = share <= 0.0F ? Ink::kNone : share >= 1.0F ? Ink::kAll : Ink::kMixed;
+    return printed_surface(hit.local_mm, hit.normal, share, seed);
+  }
+
+  // The print within the ray's footprint: a square of the image, seen on the surface as a parallelogram and taken for
+  // the rectangle of the same variance along the print's axes.
+  [[nodiscard]] float ink_share(const RayHit& hit, const BoardPrint& print, const Vec3f& ray, float width_px) const {
+    constexpr float kPrintedFaceMm = 0.5F;  // the print is on the face at z = 0 only
+    if (hit.local_mm.z() > kPrintedFaceMm) return 0.0F;
+    const Mat3& rotation = scene_.instances()[hit.instance].T_camera_part.rotation;
+    const auto on_surface = [&](const Vec3f& step) {
+      const Vec3f moved = step - ray * (hit.normal.dot(step) / hit.normal.dot(ray));
+      return Vec3f(rotation.transpose().cast<float>() * moved);
+    };
+    const float step_mm = hit.distance * width_px;
+    const Vec3f across = on_surface({step_mm / static_cast<float>(rig_.camera.fx_px), 0.0F, 0.0F});
+    const Vec3f down = on_surface({0.0F, step_mm / static_cast<float>(rig_.camera.fy_px), 0.0F});
+    return print.ink_share(hit.local_mm.x(), hit.local_mm.y(), std::hypot(across.x(), down.x()),
+                           std::hypot(across.y(), down.y()));
   }
 
   // The projector's light at the point: its coordinates there, and how much of it goes to the eye.
@@ -101,6 +126,7 @@ void resize(LightMap& map, const RichLens& camera) {
   map.lit.resize(map.size());
   map.point_mm.resize(map.size());
   map.instance.resize(map.size());
+  map.ink.resize(map.size());
 }
 
 void store(const LightSample& sample, const Vec3f& ray, std::size_t at, LightMap& map) {
@@ -111,11 +137,12 @@ void store(const LightSample& sample, const Vec3f& ray, std::size_t at, LightMap
   map.blur_level[at] = sample.blur_level;
   map.lit[at] = sample.direct > 0.0F ? 1 : 0;
   map.point_mm[at] = sample.distance * ray;
+  map.ink[at] = sample.ink;
   map.instance[at] = sample.instance >= 0 ? static_cast<std::uint16_t>(sample.instance + 1) : std::uint16_t{0};
 }
 
 bool differ(const LightMap& map, std::size_t a, std::size_t b) {
-  return map.instance[a] != map.instance[b] || map.lit[a] != map.lit[b] ||
+  return map.instance[a] != map.instance[b] || map.lit[a] != map.lit[b] || map.ink[a] != map.ink[b] ||
          std::abs(map.point_mm[a].z() - map.point_mm[b].z()) > kStepMm;
 }
 
@@ -124,6 +151,7 @@ void find_edges(LightMap& map) {
   for (int row = 0; row < map.rows; ++row) {
     for (int col = 0; col < map.cols; ++col) {
       const std::size_t at = static_cast<std::size_t>(row) * map.cols + col;
+      if (map.ink[at] == Ink::kMixed) edge[at] = 1;
       if (col + 1 < map.cols && differ(map, at, at + 1)) edge[at] = edge[at + 1] = 1;
       if (row + 1 < map.rows && differ(map, at, at + map.cols)) edge[at] = edge[at + map.cols] = 1;
     }
@@ -145,7 +173,8 @@ void refine_edge(const LightMap::Edge& edge, const Caster& caster, const RayTabl
   float ambient = 0.0F;
   for (int n = 0; n < side * side; ++n) {
     const auto offset = [side](int i) { return (static_cast<float>(i) + 0.5F) / static_cast<float>(side) - 0.5F; };
-    LightSample sample = caster.trace(rays.at(row, col, offset(n / side), offset(n % side)));
+    LightSample sample =
+        caster.trace(rays.at(row, col, offset(n / side), offset(n % side)), 1.0F / static_cast<float>(side));
     sample.direct *= share;
     ambient += share * sample.ambient;
     map.edge_samples[edge.first + n] = sample;
@@ -177,7 +206,7 @@ void fill_light_map(const Rig& rig, const RayTable& rays, const RayScene& scene,
   in_parallel(map.rows, [&](int row) {
     for (int col = 0; col < map.cols; ++col) {
       const Vec3f ray = rays.at(row, col);
-      store(caster.trace(ray), ray, static_cast<std::size_t>(row) * map.cols + col, map);
+      store(caster.trace(ray, 1.0F), ray, static_cast<std::size_t>(row) * map.cols + col, map);
     }
   });
   map.samples_per_edge = options.edge_samples * options.edge_samples;

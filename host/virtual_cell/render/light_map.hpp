@@ -10,6 +10,9 @@
 
 namespace beltpick::virtual_cell {
 
+// How much of a pixel is printed.
+enum class Ink : std::uint8_t { kNone, kAll, kMixed };
+
 // What one ray through the camera brings back.
 struct LightSample {
   float column_px = 0.0F, row_px = 0.0F;  // in the projector's image
@@ -18,6 +21,7 @@ struct LightSample {
   float distance = 0.0F;                  // along the pixel's ray (camera z, mm)
   std::int16_t instance = kHitNothing;
   std::uint8_t blur_level = 0;
+  Ink ink = Ink::kNone;
 };
 
 struct LightMap {
@@ -28,7 +32,8 @@ struct LightMap {
   std::vector<std::uint8_t> lit;        // by the central ray
   std::vector<Vec3f> point_mm;          // camera frame, central ray
   std::vector<std::uint16_t> instance;  // + 1; 0 the belt
-  // Pixels on an outline, a shadow's border or a step: the mean of several rays.
+  std::vector<Ink> ink;                 // of the whole pixel
+  // Pixels on an outline, a shadow's border, a step or a print's edge: the mean of several rays.
   struct Edge {
     std::uint32_t pixel;
     std::uint32_t first;  // into edge_samples, samples_per_edge of them

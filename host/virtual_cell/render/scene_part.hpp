@@ -1,6 +1,7 @@
 // ScenePart: a part of the virtual cell: its surface, its mass, its symmetries and where a gripper may take it.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -12,6 +13,15 @@
 
 namespace beltpick::virtual_cell {
 
+class BoardPrint;
+
+// What a part's surface is made of; see surface.hpp.
+enum class Finish : std::uint8_t {
+  kSteel,      // rough cast steel with oil
+  kMattWhite,  // sprayed white: targets of known shape
+  kPrinted     // a white plate with a dark print
+};
+
 struct ScenePart {
   std::string name;
   Mesh mesh;                         // part frame, mm, closed, counter-clockwise from outside
@@ -21,6 +31,8 @@ struct ScenePart {
   Mat3 inertia_mm5 = Mat3::Zero();                         // about the centre of mass, for density 1
   std::vector<Pose<frame::Part, frame::Part>> symmetries;  // non-trivial turns that map the part onto itself
   std::vector<Grasp> grasps;
+  Finish finish = Finish::kSteel;
+  std::shared_ptr<const BoardPrint> print;  // of a kPrinted part
 };
 
 // Works out mass properties and corner normals of a closed mesh. Errors: kMeshInvalid when it has no faces, encloses

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "base/units.hpp"
+#include "virtual_cell/render/camera_blur.hpp"
 #include "virtual_cell/render/light_map.hpp"
 #include "virtual_cell/render/pattern_light.hpp"
 #include "virtual_cell/render/ray_scene.hpp"
@@ -36,6 +37,7 @@ struct SceneRenderer::State {
   RayScene scene;
   RayTable rays;
   PatternLight light;
+  CameraBlur blur;
   SensorNoise sensor;
   LightMap map;
   std::vector<float> signal;  // share of full scale
@@ -50,7 +52,8 @@ struct SceneRenderer::State {
         options(options_),
         scene(parts, rig_.T_camera_belt),
         rays(rig_.camera),
-        light({rig_.projector.width, rig_.projector.height, rig_.layout}, options_.projector_gamma) {
+        light({rig_.projector.width, rig_.projector.height, rig_.layout}, options_.projector_gamma),
+        blur(options_.camera_blur_px) {
     const Vec3 step_mm = rig.T_camera_belt * Vec3(1.0, 0.0, 0.0);
     const Vec3 origin_mm = rig.T_camera_belt.translation_mm;
     pixels_per_mm = static_cast<float>((rig.camera.project(step_mm) - rig.camera.project(origin_mm)).x());
@@ -147,6 +150,7 @@ void SceneRenderer::expose(const FrameSpec& frame, double exposure_us, double ti
   for (std::size_t i = 0; i < s.map.size(); ++i) s.signal[i] = per_radiance * around * s.map.ambient[i];
   s.add_light(per_radiance, shift_px);
   if (std::abs(shift_px) > 1e-3F) s.shift_scene(shift_px);
+  s.blur.apply(s.signal, s.map.rows, s.map.cols);
   if (s.options.noise) {
     s.sensor.expose(s.signal, ++s.noise_seed, image);
   } else {

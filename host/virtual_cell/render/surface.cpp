@@ -79,6 +79,23 @@ Surface matt_plane_surface(const Vec3f& normal) {
   return s;
 }
 
+Surface painted_surface(const Vec3f& local_mm, const Vec3f& normal, std::uint32_t seed) {
+  Surface s;
+  s.diffuse =
+      0.78F * (1.0F + 0.008F * smooth_noise(local_mm / 0.7F, seed) + 0.012F * smooth_noise(local_mm / 30.0F, seed));
+  s.normal = normal;
+  return s;
+}
+
+Surface printed_surface(const Vec3f& local_mm, const Vec3f& normal, float ink_share, std::uint32_t seed) {
+  constexpr float kInk = 0.06F;  // laser print on matt foil reflects 5 to 8 %
+  Surface s = painted_surface(local_mm, normal, seed);
+  s.diffuse = mix(s.diffuse, kInk * (1.0F + 0.06F * smooth_noise(local_mm / 0.9F, seed + 3U)), ink_share);
+  s.specular = 0.03F;
+  s.roughness = 0.5F;
+  return s;
+}
+
 float scattered(const Surface& surface, const Vec3f& to_light, const Vec3f& to_eye) {
   const float nl = surface.normal.dot(to_light);
   const float nv = surface.normal.dot(to_eye);

@@ -24,6 +24,11 @@ Surface steel_surface(const Vec3f& local_mm, const Vec3f& normal, std::uint32_t 
 Surface belt_surface(const Vec3f& belt_mm, const Vec3f& normal, std::uint32_t seed);
 Surface matt_plane_surface(const Vec3f& normal);
 
+// White paint, slightly uneven, at a point of the part (its own frame, mm).
+Surface painted_surface(const Vec3f& local_mm, const Vec3f& normal, std::uint32_t seed);
+// The same with `ink_share` of it printed: ink is dark, not black, and a little glossy.
+Surface printed_surface(const Vec3f& local_mm, const Vec3f& normal, float ink_share, std::uint32_t seed);
+
 // Light scattered towards `to_eye` per light arriving from `to_light` (unit vectors), cosine included: Lambert plus
 // GGX microfacets (Walter et al. 2007) with Smith's shadowing and Schlick's Fresnel term.
 float scattered(const Surface& surface, const Vec3f& to_light, const Vec3f& to_eye);
