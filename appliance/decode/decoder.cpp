@@ -144,13 +144,17 @@ CodeImage Decoder::output() const {
   return code;
 }
 
-Result<CodeImage> Decoder::finish() {
+Result<CodeImage> Decoder::begin_finish() {
   const auto frames = static_cast<int>(context_.plan->frames.size());
   if (next_frame_ != frames) {
     return failure(ResultCode::kFrameMissing, "the capture ended after %d of %d frames", next_frame_, frames);
   }
   if (auto judged = check_.judge(*context_.plan, context_.full_scale); !judged) return std::unexpected(judged.error());
-  for (int row = 0; row < rows_; ++row) {
+  return output();
+}
+
+void Decoder::finish_rows(int first, int end) {
+  for (int row = first; row < end; ++row) {
     std::uint8_t* texture = &texture_[static_cast<std::size_t>(row) * static_cast<std::size_t>(context_.cols)];
     if (pixel_bytes_ == 1) {
       finish_row<std::uint8_t>(context_, scratch_, row, texture);
@@ -159,7 +163,12 @@ Result<CodeImage> Decoder::finish() {
     }
     write_row(row);
   }
-  return output();
+}
+
+Result<CodeImage> Decoder::finish() {
+  auto code = begin_finish();
+  if (code) finish_rows(0, rows_);
+  return code;
 }
 
 }  // namespace beltpick::decode

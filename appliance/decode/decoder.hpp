@@ -49,6 +49,11 @@ class Decoder {
   // kSequenceOrderWrong where the images contradict the sequence (see FrameCheck).
   Result<CodeImage> finish();
 
+  // The same in bands of rows, so that the next stage reads them while they lie in the cache: begin_finish() judges the
+  // frames and gives the views, finish_rows() fills adjoining bands [first, end) of them, in any order.
+  Result<CodeImage> begin_finish();
+  void finish_rows(int first, int end);
+
  private:
   template <class Pixel>
   Result<void> fold_any(int index, ImageView<const Pixel> image);

@@ -7,26 +7,142 @@
 #include "base/kernel.hpp"
 
 namespace beltpick::range {
+namespace {
+
+#define BELTPICK_INLINE [[gnu::always_inline]] inline
+
+AxisModel::Form form_of(const Vec3& f) {
+  return {static_cast<float>(f.x()), static_cast<float>(f.y()), static_cast<float>(f.z())};
+}
+
+BELTPICK_INLINE float at(const AxisModel::Form& form, float u, float v) { return form[0] * u + form[1] * v + form[2]; }
+
+// Where a pixel's line stands in the projector: o = offset + slope s.
+struct Line {
+  float offset, slope;
+};
+
+// What the lens does at (s, o): how far the image of s lies from the code seen, and how fast that changes along the
+// line.
+struct Bend {
+  float radial, r2, miss, gradient;
+};
+
+BELTPICK_INLINE float radial_of(const AxisModel& m, float r2) { return 1.0F + r2 * (m.k1 + r2 * (m.k2 + r2 * m.k3)); }
+
+BELTPICK_INLINE Bend bend_at(const AxisModel& m, const Line& line, float s, float o, float seen) {
+  const float ss = s * s;
+  const float r2 = ss + o * o;
+  const float radial = radial_of(m, r2);
+  const float bend2 = 2.0F * m.k1 + r2 * (4.0F * m.k2 + r2 * (6.0F * m.k3));  // 2 d radial / d r^2
+  const float so = s * o;
+  const float tangential_so2 = 2.0F * m.tangential_so;
+  const float tangential_ss2 = 2.0F * m.tangential_ss;
+  const float along_s = radial + ss * bend2 + tangential_so2 * o + 3.0F * tangential_ss2 * s;
+  const float along_o = so * bend2 + tangential_so2 * s + tangential_ss2 * o;
+  const float miss = s * radial + tangential_so2 * so + m.tangential_ss * (r2 + 2.0F * ss) - seen;
+  return {radial, r2, miss, along_s + line.slope * along_o};
+}
+
+// One step of the fixed-point iteration: the shift by the lens at `s` taken off.
+BELTPICK_INLINE float corrected_start(const AxisModel& m, const Line& line, float s) {
+  const float o = line.offset + line.slope * s;
+  const float ss = s * s;
+  const float r2 = ss + o * o;
+  const float shift = s * (r2 * (m.k1 + r2 * (m.k2 + r2 * m.k3))) + 2.0F * m.tangential_so * (s * o) +
+                      m.tangential_ss * (r2 + 2.0F * ss);
+  return s - shift;
+}
+
+// kStrong: three steps of Newton's method before the last one, from the code itself; else none, from a corrected start.
+template <bool kStrong, bool kBoth>
+BELTPICK_INLINE void depths(const AxisModel& model, const AxisInput& input, int count, float* __restrict depth_mm,
+                            float* __restrict sigma_mm, float* __restrict other_px, float* __restrict sigma_px) {
+  const AxisModel m = model;
+  const float* __restrict ray_u = input.ray_u;
+  const float* __restrict ray_v = input.ray_v;
+  const float* __restrict code_px = input.code_px;
+  const float* __restrict modulation = input.modulation;
+  const std::uint8_t* __restrict texture = input.texture;
+  constexpr float kFarthestMm = 1e6F;
+  const float per_focal = 1.0F / m.focal_s;
+  const float first_px = -0.5F - kModelSlackPx;
+  const float last_px = m.other_extent_px - 0.5F + kModelSlackPx;
+  const float floor_squared = input.noise.floor_px * input.noise.floor_px;
+  const float slope_squared = input.noise.slope_px * input.noise.slope_px;
+  for (int i = 0; i < count; ++i) {
+    const float u = ray_u[i];
+    const float v = ray_v[i];
+    const float across = at(m.across, u, v);
+    const float per_across = 1.0F / across;
+    const Line line{at(m.offset, u, v) * per_across, at(m.slope, u, v) * per_across};
+    const float seen = (code_px[i] - m.centre_s) * per_focal;
+    float s = seen;
+    if constexpr (kStrong) {
+#pragma GCC unroll 3  // before vectorisation, which takes no inner loops
+      for (int step = 0; step < 3; ++step) {
+        const Bend bend = bend_at(m, line, s, line.offset + line.slope * s, seen);
+        s -= bend.miss / bend.gradient;
+      }
+    } else {
+      s = corrected_start(m, line, seen);
+    }
+    float o = line.offset + line.slope * s;
+    const Bend bend = bend_at(m, line, s, o, seen);
+    // The last step, s - miss / gradient, and the depth there in one division.
+    const float g = bend.gradient;
+    const float sg = s * g - bend.miss;
+    const float per_denominator = 1.0F / (sg * at(m.ray_z, u, v) - g * at(m.ray_s, u, v));
+    const float z = (m.translation_s * g - sg * m.translation_z) * per_denominator;
+    const float mm_per_px = std::fabs(across * g * (per_denominator * per_denominator) * per_focal);
+    // 1 / gradient is about 2 - gradient; what that leaves moves the other coordinate by hundredths of a pixel.
+    s -= bend.miss * (2.0F - g);
+    o = line.offset + line.slope * s;
+    const float other =
+        (o * bend.radial + 2.0F * m.tangential_ss * s * o + m.tangential_so * (bend.r2 + 2.0F * o * o)) * m.focal_o +
+        m.centre_o;
+    const bool good = (g > 0.0F) & (z > 0.0F) & (z < kFarthestMm) & (z * at(m.ray_z, u, v) + m.translation_z > 0.0F) &
+                      (other > first_px) & (other < last_px);
+    // The texture is what white light shows; a fringe's mean is half of it.
+    const float level_variance =
+        kCameraNoise.floor_variance + (0.5F * kCameraNoise.shot_variance_per_level) * static_cast<float>(texture[i]);
+    const float amplitude = std::max(modulation[i], 1e-3F);
+    const float variance_px = floor_squared + slope_squared * level_variance / (amplitude * amplitude);
+    depth_mm[i] = good ? z : 0.0F;
+    sigma_mm[i] = std::sqrt(variance_px * (u * u + v * v + 1.0F)) * mm_per_px;
+    if constexpr (kBoth) {
+      other_px[i] = other;
+      sigma_px[i] = std::sqrt(variance_px);
+    }
+  }
+}
+
+}  // namespace
 
 AxisModel axis_model(const Calibration& calibration, Axis axis) {
   const bool column = axis == Axis::kColumn;
   const int s = column ? 0 : 1;
   const Lens& lens = calibration.projector;
   const auto& pose = calibration.T_projector_camera;
+  const Vec3 q_s = pose.rotation.row(s);
+  const Vec3 q_o = pose.rotation.row(1 - s);
+  const Vec3 q_z = pose.rotation.row(2);
+  const double t_s = pose.translation_mm[s];
+  const double t_o = pose.translation_mm[1 - s];
+  const double t_z = pose.translation_mm[2];
   AxisModel model;
-  for (int i = 0; i < 3; ++i) {
-    const auto at = static_cast<std::size_t>(i);
-    model.rotation_s[at] = static_cast<float>(pose.rotation(s, i));
-    model.rotation_o[at] = static_cast<float>(pose.rotation(1 - s, i));
-    model.rotation_z[at] = static_cast<float>(pose.rotation(2, i));
-  }
-  model.translation_s = static_cast<float>(pose.translation_mm[s]);
-  model.translation_o = static_cast<float>(pose.translation_mm[1 - s]);
-  model.translation_z = static_cast<float>(pose.translation_mm[2]);
+  model.ray_s = form_of(q_s);
+  model.ray_z = form_of(q_z);
+  model.across = form_of(t_z * q_s - t_s * q_z);
+  model.slope = form_of(t_z * q_o - t_o * q_z);
+  model.offset = form_of(t_o * q_s - t_s * q_o);
+  model.translation_s = static_cast<float>(t_s);
+  model.translation_z = static_cast<float>(t_z);
   model.focal_s = static_cast<float>(column ? lens.fx_px : lens.fy_px);
   model.centre_s = static_cast<float>(column ? lens.cx_px : lens.cy_px);
   model.focal_o = static_cast<float>(column ? lens.fy_px : lens.fx_px);
   model.centre_o = static_cast<float>(column ? lens.cy_px : lens.cx_px);
+  model.other_extent_px = static_cast<float>(column ? lens.height : lens.width);
   model.k1 = static_cast<float>(lens.distortion[0]);
   model.k2 = static_cast<float>(lens.distortion[1]);
   model.k3 = static_cast<float>(lens.distortion[4]);
@@ -36,90 +152,48 @@ AxisModel axis_model(const Calibration& calibration, Axis axis) {
 }
 
 BELTPICK_KERNEL
-void depth_row(const AxisModel& model, const float* __restrict ray_u, const float* __restrict ray_v,
-               const float* __restrict code_px, int count, float* __restrict depth_mm, float* __restrict mm_per_px,
-               float* __restrict other_px) {
-  const AxisModel m = model;
-  constexpr int kSteps = 4;  // from the undistorted guess; each squares the error
-  constexpr float kConvergedPx = 0.005F;
-  for (int i = 0; i < count; ++i) {
-    const float u = ray_u[i];
-    const float v = ray_v[i];
-    const float q_s = m.rotation_s[0] * u + m.rotation_s[1] * v + m.rotation_s[2];
-    const float q_o = m.rotation_o[0] * u + m.rotation_o[1] * v + m.rotation_o[2];
-    const float q_z = m.rotation_z[0] * u + m.rotation_z[1] * v + m.rotation_z[2];
-    const float across = m.translation_z * q_s - m.translation_s * q_z;
-    const float slope = (m.translation_z * q_o - m.translation_o * q_z) / across;
-    const float offset = (m.translation_o * q_s - m.translation_s * q_o) / across;
-    const float seen = (code_px[i] - m.centre_s) / m.focal_s;
-    float s = seen;
-    float gradient = 1.0F;
-    float miss = 0.0F;
-    float o = 0.0F;
-    float radial = 1.0F;
-    float r2 = 0.0F;
-#pragma GCC unroll 4  // before vectorisation, which takes no inner loops
-    for (int step = 0; step < kSteps; ++step) {
-      o = offset + slope * s;
-      r2 = s * s + o * o;
-      radial = 1.0F + r2 * (m.k1 + r2 * (m.k2 + r2 * m.k3));
-      const float bend = m.k1 + r2 * (2.0F * m.k2 + r2 * 3.0F * m.k3);
-      const float along_s = radial + 2.0F * s * s * bend + 2.0F * m.tangential_so * o + 6.0F * m.tangential_ss * s;
-      const float along_o = 2.0F * (s * o * bend + m.tangential_so * s + m.tangential_ss * o);
-      miss = s * radial + 2.0F * m.tangential_so * s * o + m.tangential_ss * (r2 + 2.0F * s * s) - seen;
-      gradient = along_s + slope * along_o;
-      s -= miss / gradient;
-    }
-    o = offset + slope * s;
-    const float denominator = s * q_z - q_s;
-    const float z = (m.translation_s - s * m.translation_z) / denominator;
-    const float z_projector = z * q_z + m.translation_z;
-    const bool good = (std::fabs(miss) * m.focal_s < kConvergedPx) & (z > 0.0F) & (z_projector > 0.0F) & (z < 1e6F);
-    depth_mm[i] = good ? z : 0.0F;
-    mm_per_px[i] = std::fabs(across / (denominator * denominator * gradient * m.focal_s));
-    other_px[i] =
-        (o * radial + 2.0F * m.tangential_ss * s * o + m.tangential_so * (r2 + 2.0F * o * o)) * m.focal_o + m.centre_o;
+void depth_row(const AxisModel& model, const AxisInput& in, int count, float* depth_mm, float* sigma_mm) {
+  if (model.strong_lens) {
+    depths<true, false>(model, in, count, depth_mm, sigma_mm, nullptr, nullptr);
+  } else {
+    depths<false, false>(model, in, count, depth_mm, sigma_mm, nullptr, nullptr);
   }
 }
 
 BELTPICK_KERNEL
-void judge_row(const CodeNoise& noise, const float* __restrict modulation, const std::uint8_t* __restrict texture,
-               const float* __restrict mm_per_px, const float* __restrict other_px, int other_extent_px, float slack_px,
-               int count, float* __restrict depth_mm, float* __restrict sigma_px, float* __restrict sigma_mm) {
-  const float first_px = -0.5F - slack_px;
-  const float last_px = static_cast<float>(other_extent_px) - 0.5F + slack_px;
-  const float floor_squared = noise.floor_px * noise.floor_px;
-  const float slope_squared = noise.slope_px * noise.slope_px;
-  for (int i = 0; i < count; ++i) {
-    // The texture is what white light shows; a fringe's mean is half of it.
-    const float level_variance =
-        kCameraNoise.floor_variance + kCameraNoise.shot_variance_per_level * (0.5F * static_cast<float>(texture[i]));
-    const float amplitude = std::max(modulation[i], 1e-3F);
-    const float sigma = std::sqrt(floor_squared + slope_squared * level_variance / (amplitude * amplitude));
-    const bool lit = (other_px[i] > first_px) & (other_px[i] < last_px);
-    depth_mm[i] = lit ? depth_mm[i] : 0.0F;
-    sigma_px[i] = sigma;
-    sigma_mm[i] = sigma * mm_per_px[i];
+void depth_row(const AxisModel& model, const AxisInput& in, int count, float* depth_mm, float* sigma_mm,
+               float* other_px, float* sigma_px) {
+  if (model.strong_lens) {
+    depths<true, true>(model, in, count, depth_mm, sigma_mm, other_px, sigma_px);
+  } else {
+    depths<false, true>(model, in, count, depth_mm, sigma_mm, other_px, sigma_px);
   }
 }
 
 BELTPICK_KERNEL
-int point_row(const float* __restrict ray_u, const float* __restrict ray_v, const float* __restrict depth_mm,
-              const float* __restrict sigma_depth_mm, int count, float* __restrict point_mm,
-              float* __restrict sigma_mm) {
+RowCounts point_row(const float* __restrict ray_u, const float* __restrict ray_v, const float* __restrict depth_mm,
+                    const float* __restrict sigma_in_mm, const std::uint8_t* __restrict flies,
+                    const PixelState* __restrict state, int count, float* __restrict point_mm,
+                    float* __restrict sigma_mm) {
   int points = 0;
+  int flying = 0;
+  int coded = 0;
   for (int i = 0; i < count; ++i) {
-    const float z = depth_mm[i];
-    const bool measured = z > 0.0F;
+    const bool measured = (depth_mm[i] > 0.0F) & (flies[i] == 0);
+    const float z = measured ? depth_mm[i] : 0.0F;
     const float u = measured ? ray_u[i] : 0.0F;  // a pixel without a ray has NaN
     const float v = measured ? ray_v[i] : 0.0F;
     point_mm[3 * i] = u * z;
     point_mm[3 * i + 1] = v * z;
     point_mm[3 * i + 2] = z;
-    sigma_mm[i] = measured ? sigma_depth_mm[i] * std::sqrt(u * u + v * v + 1.0F) : 0.0F;
+    sigma_mm[i] = measured ? sigma_in_mm[i] : 0.0F;
     points += measured ? 1 : 0;
   }
-  return points;
+  for (int i = 0; i < count; ++i) {
+    flying += flies[i];
+    coded += state[i] == PixelState::kValid ? 1 : 0;
+  }
+  return {points, flying, coded};
 }
 
 }  // namespace beltpick::range

@@ -10,35 +10,57 @@
 
 namespace beltpick::range {
 
-// The projector seen along one of its axes: s is the coded coordinate, o the other one.
+// The projector seen along one of its axes: s is the coded coordinate, o the other one. Rays (u, v, 1) of the camera
+// enter by linear forms, so that a pixel costs as few operations as can be.
 struct AxisModel {
-  std::array<float, 3> rotation_s{}, rotation_o{}, rotation_z{};  // rows of the rotation camera -> projector
-  float translation_s = 0.0F, translation_o = 0.0F, translation_z = 0.0F;
+  using Form = std::array<float, 3>;  // f(u, v) = f0 u + f1 v + f2
+  Form ray_s{}, ray_z{};              // the rotated ray q along s and z
+  // A camera ray is the straight line o = (offset + slope s) / across in the projector's ideal coordinates.
+  Form across{}, offset{}, slope{};
+  float translation_s = 0.0F, translation_z = 0.0F;
   float focal_s = 1.0F, centre_s = 0.0F, focal_o = 1.0F, centre_o = 0.0F;
+  float other_extent_px = 0.0F;  // of the projector along o
   float k1 = 0.0F, k2 = 0.0F, k3 = 0.0F;
   float tangential_so = 0.0F;  // of 2 s o in s: p1 for columns, p2 for rows
   float tangential_ss = 0.0F;  // of r^2 + 2 s^2 in s
+  bool strong_lens = true;     // takes four of Newton's steps instead of one: always right, twice as slow
 };
 
 AxisModel axis_model(const Calibration& calibration, Axis axis);
 
-// For rays (u, v, 1) in the camera frame and codes of the axis. A camera ray is a straight line in the projector's
-// ideal coordinates: o = offset + slope s. Newton's method finds the s on it whose distorted image is the code; then
-// z = (t_s - s t_z) / (s q_z - q_s), q the rotated ray. Holds at any working distance.
-//   depth_mm   camera z; 0 where there is none (NaN codes, points behind a lens)
-//   mm_per_px  |d z / d code|
-//   other_px   the projector coordinate along the other axis that follows
-void depth_row(const AxisModel& model, const float* ray_u, const float* ray_v, const float* code_px, int count,
-               float* depth_mm, float* mm_per_px, float* other_px);
+// How far, in projector pixels, codes may stand from where the geometry puts them: calibration error and lens residue.
+inline constexpr float kModelSlackPx = 3.0F;
 
-// The noise to expect of a row of codes: sigma_px as CodeNoise says, sigma_mm = sigma_px * mm_per_px. Depths whose
-// other_px lies more than slack_px outside the other axis' extent, where the projector lights nothing, become 0.
-void judge_row(const CodeNoise& noise, const float* modulation, const std::uint8_t* texture, const float* mm_per_px,
-               const float* other_px, int other_extent_px, float slack_px, int count, float* depth_mm, float* sigma_px,
-               float* sigma_mm);
+// What a row's pixels tell the kernels.
+struct AxisInput {
+  const float *ray_u, *ray_v;  // NaN: no ray
+  const float* code_px;        // NaN: no code
+  const float* modulation;     // grey levels scaled to 8 bits
+  const std::uint8_t* texture;
+  CodeNoise noise;
+};
 
-// point_mm = depth ray; sigma along the ray; both 0 where the depth is 0. Returns the number of points.
-int point_row(const float* ray_u, const float* ray_v, const float* depth_mm, const float* sigma_depth_mm, int count,
-              float* point_mm, float* sigma_mm);
+// The straight line of a pixel's ray meets the code where the line's distorted image is the code: Newton's method finds
+// s, then z = (t_s - s t_z) / (s q_z - q_s). Holds at any working distance.
+//   depth_mm  camera z; 0 where there is none: NaN codes, points behind a lens, other coordinates more than
+//             kModelSlackPx outside the other axis' extent, where the projector lights nothing
+//   sigma_mm  the standard deviation to expect along the ray: sigma_px as CodeNoise says, times |d z / d code|, times
+//             the ray's length at z = 1; any number where there is no depth
+void depth_row(const AxisModel& model, const AxisInput& in, int count, float* depth_mm, float* sigma_mm);
+
+// The same, with what it takes to compare both axes of a row.
+//   other_px  the projector coordinate along the other axis that follows
+//   sigma_px  of the code
+void depth_row(const AxisModel& model, const AxisInput& in, int count, float* depth_mm, float* sigma_mm,
+               float* other_px, float* sigma_px);
+
+struct RowCounts {
+  int points = 0, flying = 0;
+  int coded = 0;  // states that are valid
+};
+
+// point_mm = depth ray, and sigma_mm the sigma given; both 0 where the depth is 0 or `flies` is set.
+RowCounts point_row(const float* ray_u, const float* ray_v, const float* depth_mm, const float* sigma_in_mm,
+                    const std::uint8_t* flies, const PixelState* state, int count, float* point_mm, float* sigma_mm);
 
 }  // namespace beltpick::range

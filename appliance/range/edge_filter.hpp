@@ -1,4 +1,5 @@
-// EdgeFilter: drops flying pixels, which mix the light of two depths at an edge.
+// EdgeFilter: finds flying pixels, which mix the light of two depths at an edge, while the rows of a range image come
+// by.
 #pragma once
 
 #include <array>
@@ -6,7 +7,6 @@
 #include <span>
 
 #include "base/arena.hpp"
-#include "base/stages.hpp"
 
 namespace beltpick::range {
 
@@ -17,27 +17,40 @@ namespace beltpick::range {
 //   - it is the last one of its surface along some line and has less than half the modulation of the one before: the
 //     edge runs through it, and what its centre sees is not the surface that was measured.
 // A thin part is left alone: across it both neighbours are farther, along it they agree.
+//
+// Streams, so that a row is judged while it lies in the cache: push() takes row after row and gives the verdict on the
+// row before, last() the verdict on the last one.
 class EdgeFilter {
  public:
   EdgeFilter() = default;
   EdgeFilter(Arena& arena, int cols);
 
-  // Removes flying pixels of `range` in place; `focal_px` of the camera tells the width of a pixel's footprint.
-  // Returns how many.
-  int apply(const RangeImage& range, ImageView<const float> modulation, float focal_px);
+  // Starts an image of `cols` columns; `focal_px` of the camera tells the width of a pixel's footprint.
+  void begin(int cols, float focal_px);
+
+  // The next row: camera z (0: not measured), its standard deviation, and modulation, `cols` values each. Returns one
+  // byte a pixel of the row before, 1 where it flies (never where nothing was measured); good until the next call.
+  // After the first row there is none to judge: an empty span.
+  std::span<const std::uint8_t> push(const float* depth_mm, const float* sigma_mm, const float* modulation);
+  // The verdict on the row pushed last.
+  std::span<const std::uint8_t> last();
 
  private:
-  // Three rows of depth and modulation, with a pixel of margin on either side, and the greatest step from a pixel to
+  // Depth and modulation of three rows, with a pixel of margin on either side, and the greatest step from a pixel to
   // the next on one surface.
   struct Row {
     std::span<float> depth_mm, modulation, step_mm;
   };
 
   Row& row_at(int row) { return rows_[static_cast<std::size_t>(row + 3) % 3]; }
-  void load_row(const RangeImage& range, ImageView<const float> modulation, int row, float focal_px);
+  std::span<const std::uint8_t> judge(int row);
 
   std::array<Row, 3> rows_;
+  std::span<float> lowest_mm_, highest_mm_;  // of the three rows, by column
   std::span<std::uint8_t> flies_;
+  int cols_ = 0;
+  float steepest_ = 0.0F;  // step over depth of the steepest surface
+  int pushed_ = 0;
 };
 
 }  // namespace beltpick::range

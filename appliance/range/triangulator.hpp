@@ -35,26 +35,41 @@ class Triangulator {
   // calibration's.
   Result<RangeImage> measure(const CodeImage& code);
 
+  // The same in bands of rows, each while its codes still lie in the cache: begin(), then measure_rows() for adjoining
+  // bands [first, end) from row 0 to the last; the image is complete after that. Points come one row late, since the
+  // row below tells where an edge is.
+  // A further step on a row of depths goes into measure_row(), before edges_.push().
+  Result<RangeImage> begin(const CodeImage& code);
+  void measure_rows(int first, int end);
+
+  // Complete after the last row.
   [[nodiscard]] const RangeCounts& counts() const { return counts_; }
 
  private:
   struct AxisScratch {
-    std::span<float> depth_mm, mm_per_px, other_px, sigma_px, sigma_mm;
+    std::span<float> depth_mm, sigma_mm, other_px, sigma_px;
   };
-  void measure_axis(Axis axis, const CodeImage& code, int row);
-  // Brings the better axis of each pixel into the columns' scratch.
-  void choose_axis(const CodeImage& code, int row);
+  // The depths of a row, kept until the next one is there to judge its edges.
+  struct DepthRow {
+    std::span<float> depth_mm, sigma_mm;
+  };
+  [[nodiscard]] AxisInput input(Axis axis, int row) const;
+  void measure_row(int row);
+  // The depths of both axes, with the better one of each pixel in `out`.
+  void measure_both(int row, const DepthRow& out);
+  void write_points(int row, std::span<const std::uint8_t> flies);
 
   int max_rows_, max_cols_;
   std::span<float> ray_u_, ray_v_;
   std::span<Vec3f> point_mm_;
   std::span<float> sigma_mm_;
   std::array<AxisScratch, 2> scratch_;  // by Axis
+  std::array<DepthRow, 2> depths_;      // of even and of odd rows
   EdgeFilter edges_;
   std::array<AxisModel, 2> models_;
-  std::array<int, 2> extent_px_{};  // of the projector, by Axis
   int rows_ = 0, cols_ = 0;
   float focal_px_ = 1.0F;
+  CodeImage code_;
   RangeCounts counts_;
 };
 

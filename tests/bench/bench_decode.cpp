@@ -104,11 +104,20 @@ Times time_passes(const Loaded& loaded, const decode::FoldPlan& plan, Stages& st
     }
     folds.push_back(watch.elapsed_ms());
     watch = CpuWatch();
-    const CodeImage code = need(stages.decoder.finish());
-    finishes.push_back(watch.elapsed_ms());
-    watch = CpuWatch();
-    range = need(stages.triangulator.measure(code));
-    ranges.push_back(watch.elapsed_ms());
+    const CodeImage code = need(stages.decoder.begin_finish());
+    range = need(stages.triangulator.begin(code));
+    double df = watch.elapsed_ms(), dr = 0;
+    for (int r = 0; r < first.rows; r += 8) {
+      const int end = std::min(r + 8, first.rows);
+      watch = CpuWatch();
+      stages.decoder.finish_rows(r, end);
+      df += watch.elapsed_ms();
+      watch = CpuWatch();
+      stages.triangulator.measure_rows(r, end);
+      dr += watch.elapsed_ms();
+    }
+    finishes.push_back(df);
+    ranges.push_back(dr);
   }
   return {median(copies), median(folds), median(finishes), median(ranges)};
 }

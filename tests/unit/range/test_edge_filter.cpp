@@ -1,4 +1,5 @@
 // Flying pixels go, edges and thin parts stay.
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <vector>
 
@@ -15,20 +16,26 @@ constexpr float kFocalPx = 2300.0F;
 struct Canvas {
   std::vector<float> depth_mm = std::vector<float>(kRows * kCols, 700.0F);
   std::vector<float> modulation = std::vector<float>(kRows * kCols, 60.0F);
-  std::vector<Vec3f> points;
+  std::vector<std::uint8_t> flies;
   std::vector<float> sigma = std::vector<float>(kRows * kCols, 0.03F);
 
   float& at(int row, int col) { return depth_mm[static_cast<std::size_t>(row * kCols + col)]; }
-  bool kept(int row, int col) { return points[static_cast<std::size_t>(row * kCols + col)].z() > 0.0F; }
+  bool kept(int row, int col) { return flies[static_cast<std::size_t>(row * kCols + col)] == 0; }
   int filter() {
-    for (const float z : depth_mm) points.emplace_back(0.1F * z, 0.1F * z, z);
     Arena measuring;
     { const range::EdgeFilter filter(measuring, kCols); }
     ArenaBlock block(measuring.used_bytes());
     Arena arena(block.data(), block.bytes());
     range::EdgeFilter filter(arena, kCols);
-    return filter.apply({{points.data(), kRows, kCols}, {sigma.data(), kRows, kCols}, {}},
-                        {modulation.data(), kRows, kCols}, kFocalPx);
+    filter.begin(kCols, kFocalPx);
+    flies.clear();
+    for (std::size_t at = 0; at < depth_mm.size(); at += kCols) {
+      const auto judged = filter.push(&depth_mm[at], &sigma[at], &modulation[at]);
+      flies.insert(flies.end(), judged.begin(), judged.end());
+    }
+    const auto judged = filter.last();
+    flies.insert(flies.end(), judged.begin(), judged.end());
+    return static_cast<int>(std::count(flies.begin(), flies.end(), 1));
   }
 };
 
