@@ -13,7 +13,8 @@
 namespace beltpick {
 
 // Why a pixel has no projector coordinate (or that it has one).
-enum class PixelState : std::uint8_t { kValid = 0, kDark, kSaturated, kLowModulation, kOrderUncertain, kEdge };
+// kMoved: the pattern shown again at the end of the sequence looks different here than at its start.
+enum class PixelState : std::uint8_t { kValid = 0, kDark, kSaturated, kLowModulation, kOrderUncertain, kEdge, kMoved };
 
 // How uncertain a projector coordinate is: sigma_px^2 = floor_px^2 + (slope_px * sigma_I / modulation)^2, sigma_I the
 // noise of one grey level (base/camera_noise.hpp). Phase: slope = sqrt(2 / N) period / 2 pi; Gray cells: floor =

@@ -29,38 +29,50 @@ constexpr Recipe recipe_of(SequenceName name) {
   return {};
 }
 
-// With a blur of one projector pixel (standard deviation), 12 pixels keep 87 % of the contrast, 8 only 73 %.
-constexpr int kShortestPeriodPx = 12;
+// Noise goes with period / contrast, and is least at 2 pi times the blur (standard deviation): 10 pixels serve best
+// what is blurred by 1.6 pixels, an object at the end of the depth of field; what is in focus gains little below it.
+constexpr double kShortestPeriodPx = 10.0;
+constexpr double kShortestCellPx = kShortestPeriodPx / 2.0;
+// What a border of the Gray code may stand off its place, by blur, shadow or a threshold that is not quite in the
+// middle, before it can shift the fringe order: a period is longer than a cell by twice this.
+constexpr double kBorderSlackPx = 2.5;
+constexpr double kLargestCellShare = 0.625;  // of the period, where cells are wide
 
-int period_px(int extent, int gray_bits) {
-  const int cells = 1 << gray_bits;
-  return std::max(kShortestPeriodPx, 2 * ((extent + cells - 1) / cells));
+// The stripes of one axis. Both may be fractional: a projector's pixels then round the borders by half a pixel.
+struct Stripes {
+  double cell_px;
+  double period_px;
+};
+
+Stripes stripes_for(int extent, int gray_bits) {
+  const double cell_px = std::max(kShortestCellPx, std::ldexp(extent, -gray_bits));
+  return {cell_px, std::max(cell_px + 2.0 * kBorderSlackPx, cell_px / kLargestCellShare)};
 }
 
-int bits_for(int cells) {
+int bits_for(double cells) {
   int bits = 0;
-  while ((1 << bits) < cells) ++bits;
+  while (std::ldexp(1.0, bits) < cells - 1e-9) ++bits;
   return bits;
 }
 
-void append_phase(Axis axis, int period, int steps, Sequence& sequence) {
+void append_phase(Axis axis, double period_px, int steps, Sequence& sequence) {
   for (int step = 0; step < steps; ++step) {
     FrameSpec frame;
     frame.kind = FrameKind::kPhase;
     frame.axis = axis;
-    frame.period_px = period;
+    frame.period_px = period_px;
     frame.steps = steps;
     frame.step = step;
     sequence.frames.push_back(frame);
   }
 }
 
-void append_gray(Axis axis, int cell, int bits, bool twins, Sequence& sequence) {
+void append_gray(Axis axis, double cell_px, int bits, bool twins, Sequence& sequence) {
   for (int bit = bits - 1; bit >= 0; --bit) {
     FrameSpec frame;
     frame.kind = FrameKind::kGray;
     frame.axis = axis;
-    frame.cell_px = cell;
+    frame.cell_px = cell_px;
     frame.bit = bit;
     sequence.frames.push_back(frame);
     if (!twins) continue;
@@ -102,14 +114,13 @@ Result<Sequence> make_sequence(SequenceName name, const ProjectorGrid& projector
   for (const Axis axis : {Axis::kColumn, Axis::kRow}) {
     if (axes == (axis == Axis::kColumn ? SequenceAxes::kRow : SequenceAxes::kColumn)) continue;
     const int extent = projector.extent(axis);
-    const int period = period_px(extent, recipe.gray_bits);
-    if (extent < 2 * period) {
-      return failure(ResultCode::kValueOutOfRange, "projector: expected at least %d %s, found %d; check its size",
-                     2 * period, axis == Axis::kColumn ? "columns" : "rows", extent);
+    const auto [cell_px, period_px] = stripes_for(extent, recipe.gray_bits);
+    if (extent < 2.0 * period_px) {
+      return failure(ResultCode::kValueOutOfRange, "projector: expected at least %.0f %s, found %d; check its size",
+                     std::ceil(2.0 * period_px), axis == Axis::kColumn ? "columns" : "rows", extent);
     }
-    const int cell = period / 2;
-    append_phase(axis, period, recipe.steps, sequence);
-    append_gray(axis, cell, bits_for((extent + cell - 1) / cell), recipe.twins, sequence);
+    append_phase(axis, period_px, recipe.steps, sequence);
+    append_gray(axis, cell_px, bits_for(extent / cell_px), recipe.twins, sequence);
   }
   name_files(sequence);
   return sequence;

@@ -22,8 +22,8 @@ inline constexpr std::array<std::string_view, 3> kSequenceAxesNames{"column", "r
 std::optional<SequenceName> find_sequence_name(std::string_view name);
 
 // The frames of a named sequence for a projector of any size, files 000.png, 001.png, ... in projection order. Every
-// axis has an N-step phase, then Gray code in cells of half its period (the complementary code). The period is as short
-// as the number of Gray frames allows, but not so short that defocus takes the contrast:
+// axis has an N-step phase, then a Gray code whose cells are about half a period wide (the complementary code). Cells
+// and period are as narrow as the number of Gray frames allows, but not so narrow that defocus takes the contrast:
 //   fast      5 steps, 7 Gray frames; thresholds are the phase frames' mean
 //   standard  8 steps, 8 Gray frames; likewise
 //   robust   12 steps, 8 Gray frames, each followed by its inverted twin; white and black before all

@@ -93,7 +93,7 @@ TEST_CASE("patterns refuses what it cannot do, in one line", "[patterns]") {
   refused("--projector -912x1140" + out, "912x1140");
   refused("--projector 912x1140x3" + out, "912x1140");
   refused("--projector 99999999x9" + out, "912x1140");
-  refused("--projector 12x12" + out, "at least 24 columns");
+  refused("--projector 12x12" + out, "at least 20 columns");
   refused("--projector 912x1140", "--out");
   refused(out, "--projector");
   refused("--lcr4500 --projector 1280x800" + out, "912x1140");

@@ -55,6 +55,21 @@ TEST_CASE("The frame budgets hold at 912 columns", "[sequences]") {
   CHECK(make_sequence(SequenceName::kRobust, projector, SequenceAxes::kColumn)->frames.size() <= 32);
 }
 
+TEST_CASE("The fringe order survives a Gray code that stands two pixels off", "[sequences]") {
+  const SequenceName name = GENERATE(SequenceName::kFast, SequenceName::kStandard, SequenceName::kRobust);
+  const int width = GENERATE(228, 912, 1280, 1920, 3840);
+  const auto sequence = make_sequence(name, {width, 1140, ProjectorLayout::kSquare}, SequenceAxes::kColumn);
+  REQUIRE(sequence);
+  double period_px = 0.0;
+  double cell_px = 0.0;
+  for (const FrameSpec& frame : sequence->frames) {
+    if (frame.kind == FrameKind::kPhase) period_px = frame.period_px;
+    if (frame.kind == FrameKind::kGray) cell_px = frame.cell_px;
+  }
+  CHECK((period_px - cell_px) / 2.0 >= 2.0);
+  CHECK(period_px >= 10.0);
+}
+
 TEST_CASE("A threshold is known before the frame that needs it", "[sequences]") {
   const SequenceName name = GENERATE(SequenceName::kFast, SequenceName::kStandard, SequenceName::kRobust);
   const auto sequence = make_sequence(name, {912, 1140, ProjectorLayout::kSquare}, SequenceAxes::kBoth);
@@ -84,9 +99,9 @@ TEST_CASE("Files are numbered in projection order and axes are chosen", "[sequen
 
 TEST_CASE("A projector too small for two periods is refused", "[sequences]") {
   const auto sequence =
-      make_sequence(SequenceName::kStandard, {20, 600, ProjectorLayout::kSquare}, SequenceAxes::kColumn);
+      make_sequence(SequenceName::kStandard, {19, 600, ProjectorLayout::kSquare}, SequenceAxes::kColumn);
   REQUIRE_FALSE(sequence);
-  CHECK(std::string(sequence.error().text()).find("found 20") != std::string::npos);
+  CHECK(std::string(sequence.error().text()).find("found 19") != std::string::npos);
 }
 
 TEST_CASE("Pattern intensities follow the formulas of the design", "[sequences]") {
