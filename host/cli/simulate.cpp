@@ -97,9 +97,10 @@ Result<vc::Scene> lay_parts(const SimulateOptions& options, const vc::SceneMaker
   if (options.scene.starts_with("paper:")) return maker.make_paper_scene(std::atoi(options.scene.c_str() + 6), seed);
   if (options.scene == "bare" || options.scene == "plane") return vc::Scene{};
   if (options.scene != "belt")
-    return failure(ResultCode::kUsage,
-                   "--scene: expected paper:1..12, belt, plane, bare, plate or plate-on-belt, found '%s'",
-                   contract_io::one_line(options.scene).substr(0, 60).c_str());
+    return failure(
+        ResultCode::kUsage,
+        "--scene: expected paper:1..12, belt, plane, bare, plate, plate-on-belt, planes, sphere or steps, found '%s'",
+        contract_io::one_line(options.scene).substr(0, 60).c_str());
   if (options.lays.empty() && options.parts_in_view == 3) return maker.make_belt(3, seed).front();
   std::vector<vc::Lay> lays(static_cast<std::size_t>(options.parts_in_view), vc::Lay::kAny);
   for (std::size_t i = 0; i < std::min(lays.size(), options.lays.size()); ++i) {
@@ -128,7 +129,7 @@ class Stage {
  public:
   static Result<Stage> make(const SimulateOptions& options, const vc::Rig& rig) {
     Stage stage(options, rig);
-    if (is_target_scene(options.scene)) {
+    if (is_target_scene(options.scene, options.targets)) {
       auto targets = make_target_stage(options.scene, options.targets, rig, options.count, options.seed);
       if (!targets) return std::unexpected(targets.error());
       stage.parts_ = std::move(targets->parts);
@@ -182,7 +183,7 @@ Result<Rendered> render(const SimulateOptions& options, const vc::Rig& rig, cons
   vc::SceneRenderer renderer(rig, stage->parts(), options.render);
   const int frames = static_cast<int>(sequence.frames.size());
   // A plate is not held before a belt that has just stopped.
-  const vc::CaptureTiming timing{is_target_scene(options.scene) ? 5.0 : vc::CaptureTiming{}.settle_s};
+  const vc::CaptureTiming timing{is_target_scene(options.scene, options.targets) ? 5.0 : vc::CaptureTiming{}.settle_s};
   Progress progress("simulate", options.count * frames, quiet);
   int exposed = 0;
   for (int k = 0; k < options.count; ++k) {
@@ -249,8 +250,8 @@ Result<void> run(SimulateOptions options, const CLI::App& app, Session& session)
     }
   }
   if (!options.out.empty()) {
-    if (is_target_scene(options.scene)) {
-      if (app.count("--axes") == 0) options.axes = "both";
+    if (is_plate_scene(options.scene) && app.count("--axes") == 0) options.axes = "both";
+    if (is_target_scene(options.scene, options.targets)) {
       if (app.count("--camera-blur-px") == 0) options.render.camera_blur_px = kTargetBlurPx;
     }
     if (options.scene == "plane") options.render.background = vc::Background::kPlane;
@@ -305,7 +306,9 @@ void add_light_options(CLI::App& app, SimulateOptions& options) {
 Run add_simulate(CLI::App& app) {
   const auto options = std::make_shared<SimulateOptions>();
   app.add_option("--out", options->out, "folder of the capture; with --count of 000, 001, ...")->type_name("DIR");
-  app.add_option("--scene", options->scene, "paper:1..12, belt, plane, bare, plate or plate-on-belt (default belt)");
+  app.add_option("--scene", options->scene,
+                 "paper:1..12, belt, bare, plane (of the belt, or --height-mm, --tilt-deg); calibration: plate, "
+                 "plate-on-belt; known shapes: planes (spread by seed), sphere (a ball bar), steps (default belt)");
   app.add_option("--part", options->parts, "knuckle, elbow, bracket or a mesh file; repeat to mix (default knuckle)");
   app.add_option("--mm-per-unit", options->mm_per_unit, "of mesh files (default 1)")->check(CLI::Range(1e-6, 1e6));
   app.add_option("--parts", options->parts_in_view,

@@ -8,8 +8,8 @@ namespace {
 
 namespace vc = virtual_cell;
 
-Result<TargetStage> make_plate_stage(const TargetOptions& options, vc::PlatePoses how, const vc::Rig& rig, int count,
-                                     std::uint64_t seed) {
+Result<vc::TargetStage> make_plate_stage(const TargetOptions& options, vc::PlatePoses how, const vc::Rig& rig,
+                                         int count, std::uint64_t seed) {
   const auto corners = parse_size(options.board, "--board");
   if (!corners) return std::unexpected(corners.error());
   vc::PlateOptions wanted = options.plate;
@@ -22,7 +22,7 @@ Result<TargetStage> make_plate_stage(const TargetOptions& options, vc::PlatePose
   if (!part) return std::unexpected(part.error());
   const auto poses = vc::choose_plate_poses(rig, *plate, how, count, seed);
   if (!poses) return std::unexpected(poses.error());
-  TargetStage stage;
+  vc::TargetStage stage;
   stage.parts.push_back(std::move(*part));
   for (const auto& pose : *poses) stage.scenes.push_back(vc::plate_scene(rig, *plate, pose));
   return stage;
@@ -42,12 +42,33 @@ void add_target_options(CLI::App& app, TargetOptions& options) {
   app.add_option("--plate-poses", options.poses,
                  "plate: good, or as careless people hold it: flat, near (all alike), partial (out of view)")
       ->check(CLI::IsMember({"good", "flat", "near", "partial"}));
+  app.add_option("--ball-radius-mm", options.balls.radius_mm, "sphere: radius of both balls (default 20)");
+  app.add_option("--ball-distance-mm", options.balls.distance_mm, "sphere: between their centres (default 120)");
+  app.add_option("--steps", options.steps.steps, "steps: how many, the lowest included (default 6)");
+  app.add_option("--rise-mm", options.steps.rise_mm, "steps: from one to the next (default 20)");
+  app.add_option("--height-mm", options.height_mm,
+                 "plane: above the belt in the middle of the view (default: the belt)")
+      ->check(CLI::Range(0.0, 110.0));
+  app.add_option("--tilt-deg", options.tilt_deg, "plane: its tilt (default 0)")->check(CLI::Range(0.0, 40.0));
+  app.add_option("--towards-deg", options.towards_deg, "plane: direction it falls to, from the belt's x (default 0)");
 }
 
-bool is_target_scene(const std::string& scene) { return scene == "plate" || scene == "plate-on-belt"; }
+bool is_plate_scene(const std::string& scene) { return scene == "plate" || scene == "plate-on-belt"; }
 
-Result<TargetStage> make_target_stage(const std::string& scene, const TargetOptions& options, const vc::Rig& rig,
-                                      int count, std::uint64_t seed) {
+bool is_target_scene(const std::string& scene, const TargetOptions& options) {
+  if (scene == "plane") return options.height_mm.has_value() || options.tilt_deg.has_value();
+  return is_plate_scene(scene) || scene == "planes" || scene == "sphere" || scene == "steps";
+}
+
+Result<vc::TargetStage> make_target_stage(const std::string& scene, const TargetOptions& options, const vc::Rig& rig,
+                                          int count, std::uint64_t seed) {
+  if (scene == "sphere") return vc::make_ball_bars(rig, options.balls, count, seed);
+  if (scene == "steps") return vc::make_step_wedges(rig, options.steps, count, seed);
+  if (scene == "planes") return vc::make_planes(rig, {}, count, seed);
+  if (scene == "plane") {
+    const vc::PlanePlace place{options.height_mm.value_or(0.0), options.tilt_deg.value_or(0.0), options.towards_deg};
+    return vc::make_planes(rig, place, count, seed);
+  }
   const auto how =
       scene == "plate-on-belt" ? vc::PlatePoses::kOnBelt : enum_of<vc::PlatePoses>(options.poses, vc::kPlatePosesNames);
   return make_plate_stage(options, how, rig, count, seed);
