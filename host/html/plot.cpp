@@ -56,7 +56,7 @@ std::vector<double> ticks(const Range& range, double wanted) {
   if (!(step > 0.0) || !std::isfinite(step)) return values;
   const double low = std::min(range.from, range.to);
   const double high = std::max(range.from, range.to);
-  for (double i = std::ceil(low / step - 1e-9); i * step <= high + 1e-9 * step; ++i) values.push_back(i * step);
+  for (double i = std::ceil(low / step - 1e-9); i * step <= high + 1e-9 * step; ++i) values.push_back(i * step + 0.0);
   return values;
 }
 
@@ -141,7 +141,7 @@ void Plot::ring(Point at, double radius_px, Colour colour, std::string_view tip)
 void Plot::cell(Point low, Point high, Colour colour, std::string_view tip) {
   const double left = std::min(x_px(low.x), x_px(high.x)), top = std::min(y_px(low.y), y_px(high.y));
   // A trifle larger than the cell, so that no hairlines shine through between neighbours.
-  add("<rect x='%.2f' y='%.2f' width='%.2f' height='%.2f' fill='%s'", left, top,
+  add("<rect x='%.2f' y='%.2f' width='%.2f' height='%.2f' shape-rendering='crispEdges' fill='%s'", left, top,
       std::abs(x_px(high.x) - x_px(low.x)) + 0.3, std::abs(y_px(high.y) - y_px(low.y)) + 0.3, hex(colour).c_str());
   close("rect", tip);
 }
