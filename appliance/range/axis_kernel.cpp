@@ -173,8 +173,7 @@ void depth_row(const AxisModel& model, const AxisInput& in, int count, float* de
 BELTPICK_KERNEL
 RowCounts point_row(const float* __restrict ray_u, const float* __restrict ray_v, const float* __restrict depth_mm,
                     const float* __restrict sigma_in_mm, const std::uint8_t* __restrict flies,
-                    const PixelState* __restrict state, int count, float* __restrict point_mm,
-                    float* __restrict sigma_mm) {
+                    PixelState* __restrict state, int count, float* __restrict point_mm, float* __restrict sigma_mm) {
   int points = 0;
   int flying = 0;
   int coded = 0;
@@ -191,7 +190,12 @@ RowCounts point_row(const float* __restrict ray_u, const float* __restrict ray_v
   }
   for (int i = 0; i < count; ++i) {
     flying += flies[i];
-    coded += state[i] == PixelState::kValid ? 1 : 0;
+    const bool valid = state[i] == PixelState::kValid;
+    coded += valid ? 1 : 0;
+    // A code without a depth is one that the geometry contradicts.
+    const auto contradicted = static_cast<int>(depth_mm[i] > 0.0F ? PixelState::kValid : PixelState::kOrderUncertain);
+    const int reason = flies[i] != 0 ? static_cast<int>(PixelState::kEdge) : contradicted;
+    state[i] = static_cast<PixelState>(valid ? reason : static_cast<int>(state[i]));
   }
   return {points, flying, coded};
 }

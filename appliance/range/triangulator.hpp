@@ -30,9 +30,10 @@ class Triangulator {
   // Makes the table of camera rays; takes a tenth of a second, so between captures. Error: kLimitExceeded.
   Result<void> load(const Calibration& calibration);
 
-  // The views stay good until the next call. Where both axes are coded, the one with the smaller predicted noise gives
-  // the point and the other one must agree with it. Error: kCalibrationMismatch where the image's size is not the
-  // calibration's.
+  // The views stay good until the next call. Valid pixels of `code` that give no point get their reason in code.state:
+  // kOrderUncertain where the geometry contradicts the code, kEdge where they fly. Where both axes are coded, the one
+  // with the smaller predicted noise gives the point and the other one must agree with it. Error: kCalibrationMismatch
+  // where the image's size is not the calibration's.
   Result<RangeImage> measure(const CodeImage& code);
 
   // The same in bands of rows, each while its codes still lie in the cache: begin(), then measure_rows() for adjoining
