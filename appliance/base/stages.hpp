@@ -4,17 +4,30 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <span>
+#include <string_view>
 
+#include "base/camera_noise.hpp"
 #include "base/image.hpp"
 #include "base/pose.hpp"
 
 namespace beltpick {
 
 // Why a pixel has no projector coordinate (or that it has one).
-// kMoved: the pattern shown again at the end of the sequence looks different here than at its start.
-enum class PixelState : std::uint8_t { kValid = 0, kDark, kSaturated, kLowModulation, kOrderUncertain, kEdge, kMoved };
+enum class PixelState : std::uint8_t {
+  kValid = 0,
+  kDark,            // too little of the projector's light
+  kSaturated,       // a fringe exceeds the camera's range
+  kLowModulation,   // light, but no fringe that stands out of the noise
+  kOrderUncertain,  // which fringe it is cannot be told, or the frames contradict each other
+  kEdge,            // mixes two depths, or ends a surface half covered
+  kMoved            // the pattern shown again at the end of the sequence looks different here than at its start
+};
+// How files and messages call them, in the order of the enumerators.
+inline constexpr std::array<std::string_view, 7> kPixelStateNames{
+    "valid", "dark", "saturated", "low_modulation", "order_uncertain", "edge", "moved"};
 
 // How uncertain a projector coordinate is: sigma_px^2 = floor_px^2 + (slope_px * sigma_I / modulation)^2, sigma_I the
 // noise of one grey level (base/camera_noise.hpp). Phase: slope = sqrt(2 / N) period / 2 pi; Gray cells: floor =
@@ -22,6 +35,13 @@ enum class PixelState : std::uint8_t { kValid = 0, kDark, kSaturated, kLowModula
 struct CodeNoise {
   float floor_px = 0.0F;
   float slope_px = 0.0F;
+
+  // Of a pixel whose white shows `texture`: the mean of its fringe is half of it.
+  [[nodiscard]] float sigma_px(float modulation, std::uint8_t texture) const {
+    const float amplitude = modulation > 1e-3F ? modulation : 1e-3F;
+    const float level_variance = kCameraNoise.variance(0.5F * static_cast<float>(texture));
+    return std::sqrt(floor_px * floor_px + slope_px * slope_px * level_variance / (amplitude * amplitude));
+  }
 };
 
 // decode -> range. Absolute projector coordinates; NaN where not measured or not coded.

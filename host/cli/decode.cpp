@@ -12,6 +12,7 @@
 #include "contract_io/npy_io.hpp"
 #include "measured_capture.hpp"
 #include "options.hpp"
+#include "quality_pictures.hpp"
 
 namespace beltpick::cli {
 namespace {
@@ -19,18 +20,8 @@ namespace {
 using contract_io::Json;
 
 struct DecodeOptions {
-  std::string capture, code, calibration, out, xyz, range;
+  std::string capture, code, calibration, out, xyz, range, quality;
 };
-
-// In the order of PixelState.
-constexpr std::array<const char*, 6> kStateNames = {"valid",           "dark", "saturated", "low_modulation",
-                                                    "order_uncertain", "edge"};
-
-std::array<int, 6> count_states(const CodeImage& code) {
-  std::array<int, 6> counts{};
-  for (std::size_t i = 0; i < code.state.size(); ++i) ++counts[static_cast<std::size_t>(code.state.data[i])];
-  return counts;
-}
 
 // Median of the values that `keep` accepts; 0 without any.
 template <class Keep>
@@ -49,8 +40,9 @@ Result<void> write_code(const std::string& path, const CodeImage& code) {
   std::vector<float> values;
   values.reserve(2 * code.state.size());
   for (std::size_t i = 0; i < code.state.size(); ++i) {
-    values.push_back(code.column_px.empty() ? NAN : code.column_px.data[i]);
-    values.push_back(code.row_px.empty() ? NAN : code.row_px.data[i]);
+    const bool valid = code.state.data[i] == PixelState::kValid;
+    values.push_back(!valid || code.column_px.empty() ? NAN : code.column_px.data[i]);
+    values.push_back(!valid || code.row_px.empty() ? NAN : code.row_px.data[i]);
   }
   return contract_io::write_npy<float>(path, values, {code.state.rows, code.state.cols, 2});
 }
@@ -71,10 +63,10 @@ Result<void> write_outputs(const DecodeOptions& options, const MeasuredCapture& 
   return {};
 }
 
-Json describe_code(const MeasuredCapture& measured, const std::array<int, 6>& states) {
+Json describe_code(const MeasuredCapture& measured, const StateCounts& states) {
   const CodeImage& code = measured.code();
   Json pixels = Json::object();
-  for (std::size_t s = 0; s < states.size(); ++s) pixels[kStateNames[s]] = states[s];
+  for (std::size_t s = 0; s < states.size(); ++s) pixels[std::string(kPixelStateNames[s])] = states[s];
   Json axes = Json::array();
   if (!code.column_px.empty()) axes.push_back("column");
   if (!code.row_px.empty()) axes.push_back("row");
@@ -105,7 +97,7 @@ void describe_range(const MeasuredCapture& measured, Json& answer) {
                         {"flying", measured.counts().flying}};
 }
 
-std::string describe(const MeasuredCapture& measured, const std::array<int, 6>& states, const Json& answer) {
+std::string describe(const MeasuredCapture& measured, const StateCounts& states, const Json& answer) {
   char line[200];
   const double all = static_cast<double>(measured.code().state.size());
   std::snprintf(line, sizeof line, "%s: %d of %.0f pixels decoded (%.1f %%)", measured.header().id.c_str(), states[0],
@@ -113,7 +105,7 @@ std::string describe(const MeasuredCapture& measured, const std::array<int, 6>& 
   std::string text = line;
   for (std::size_t s = 1; s < states.size(); ++s) {
     if (states[s] == 0) continue;
-    std::snprintf(line, sizeof line, ", %.1f %% %s", 100.0 * states[s] / all, kStateNames[s]);
+    std::snprintf(line, sizeof line, ", %.1f %% %s", 100.0 * states[s] / all, kPixelStateNames[s].data());
     text += line;
   }
   text += "\n";
@@ -149,6 +141,10 @@ Result<void> run(const DecodeOptions& options, Session& session) {
   const auto states = count_states((*measured)->code());
   Json answer = describe_code(**measured, states);
   if (calibration) describe_range(**measured, answer);
+  // Most wanted where nothing else comes out.
+  if (!options.quality.empty()) {
+    if (auto written = write_quality(options.quality, **measured); !written) return written;
+  }
   if (states[0] == 0 || (calibration && (*measured)->counts().points == 0)) {
     return failure(ResultCode::kTooFewPoints,
                    "%s: no pixel was measured (%d dark, %d saturated, %d without fringe, %d of uncertain order); check "
@@ -171,9 +167,13 @@ Run add_decode(CLI::App& app) {
   app.add_option("--xyz", options->xyz, "write the organised cloud in mm")->type_name("cloud.npy");
   app.add_option("--range", options->range, "write camera z as a 16-bit image, 0.02 mm a count")
       ->type_name("range.png");
+  app.add_option("--quality", options->quality,
+                 "write pictures of what is measured how well, and why not: states, modulation, predicted noise, order")
+      ->type_name("DIR");
   example(app,
           "  beltpick decode capture --code code.npy\n"
-          "  beltpick decode capture --calibration calibration.json --out cloud.ply --range range.png");
+          "  beltpick decode capture --calibration calibration.json --out cloud.ply --range range.png\n"
+          "  beltpick decode capture --quality quality");
   return [options](Session& session) { return run(*options, session); };
 }
 

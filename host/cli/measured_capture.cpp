@@ -3,6 +3,7 @@
 #include "base/clock.hpp"
 #include "contract/result_codes.hpp"
 #include "progress.hpp"
+#include "range/code_edges.hpp"
 
 namespace beltpick::cli {
 namespace {
@@ -35,6 +36,14 @@ std::unique_ptr<Stage> make_stage(const decode::DecoderLimits& limits, std::uniq
   return std::make_unique<Stage>(arena, limits);
 }
 
+void mask_edges(const CodeImage& code) {
+  Arena measuring;
+  { const range::CodeEdges measured(measuring, code.state.cols); }
+  ArenaBlock block(measuring.used_bytes());
+  Arena arena(block.data(), block.bytes());
+  range::CodeEdges(arena, code.state.cols).mask(code);
+}
+
 }  // namespace
 
 Result<std::unique_ptr<MeasuredCapture>> MeasuredCapture::make(const std::filesystem::path& path,
@@ -65,6 +74,7 @@ Result<void> MeasuredCapture::decode(contract_io::CaptureReader& reader, contrac
   if (!code) return std::unexpected(code.error());
   timing_.decode_ms = watch.elapsed_ms();
   code_ = *code;
+  mask_edges(code_);
   return {};
 }
 

@@ -19,7 +19,8 @@ namespace beltpick::cli {
 
 class MeasuredCapture {
  public:
-  // Reads `path` frame by frame, shows progress unless `quiet`. Without a calibration range() is empty. Errors: as
+  // Reads `path` frame by frame, shows progress unless `quiet`. Without a calibration range() is empty, and edges
+  // are masked by the code alone. Errors: as
   // CaptureReader, make_fold_plan, Decoder and Measure; messages name the capture and, of a frame, its file.
   static Result<std::unique_ptr<MeasuredCapture>> make(const std::filesystem::path& path,
                                                        const std::optional<Calibration>& calibration,
@@ -28,6 +29,7 @@ class MeasuredCapture {
   // Views of this object's memory.
   [[nodiscard]] const CodeImage& code() const { return code_; }
   [[nodiscard]] const RangeImage& range() const { return range_; }
+  [[nodiscard]] const decode::FoldPlan& plan() const { return plan_; }
   [[nodiscard]] const CaptureHeader& header() const { return header_; }
   [[nodiscard]] const pipeline::MeasureTiming& timing() const { return timing_; }
   [[nodiscard]] const range::RangeCounts& counts() const { return counts_; }
