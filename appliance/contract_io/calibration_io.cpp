@@ -105,6 +105,12 @@ Json to_json(const Lens& lens) {
       {"width", lens.width}, {"height", lens.height}, {"matrix", json_matrix(matrix)}, {"distortion", lens.distortion}};
 }
 
+void put_cell(Json& json, const Cell& cell) {
+  json["calibration_id"] = cell.calibration_id;
+  if (cell.T_belt_camera) json["belt_from_camera"] = json_matrix(cell.T_belt_camera->matrix());
+  if (cell.T_robot_camera) json["robot_from_camera"] = json_matrix(cell.T_robot_camera->matrix());
+}
+
 }  // namespace
 
 Result<Calibration> parse_calibration(std::string_view text, const std::string& name, Warnings& warnings) {
@@ -161,9 +167,20 @@ Result<Cell> read_cell(const std::filesystem::path& path, Warnings& warnings) {
 }
 
 Result<void> write_cell(const std::filesystem::path& path, const Cell& cell) {
-  Json json = {{"format", kCellFormat}, {"version", kVersion}, {"calibration_id", cell.calibration_id}};
-  if (cell.T_belt_camera) json["belt_from_camera"] = json_matrix(cell.T_belt_camera->matrix());
-  if (cell.T_robot_camera) json["robot_from_camera"] = json_matrix(cell.T_robot_camera->matrix());
+  Json json = {{"format", kCellFormat}, {"version", kVersion}};
+  put_cell(json, cell);
+  return write_file(path, json_text(json));
+}
+
+Result<void> update_cell(const std::filesystem::path& path, const Cell& cell) {
+  if (!std::filesystem::exists(path)) return write_cell(path, cell);
+  const auto text = read_file(path);
+  if (!text) return std::unexpected(text.error());
+  Warnings unknown_members;  // which stay
+  const auto judged = parse_cell(*text, one_line(path.string()), unknown_members);
+  if (!judged) return std::unexpected(judged.error());
+  Json json = Json::parse(*text);
+  put_cell(json, cell);
   return write_file(path, json_text(json));
 }
 

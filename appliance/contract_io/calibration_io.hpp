@@ -21,5 +21,8 @@ Result<void> write_calibration(const std::filesystem::path& path, const Calibrat
 Result<Cell> parse_cell(std::string_view text, const std::string& name, Warnings& warnings);
 Result<Cell> read_cell(const std::filesystem::path& path, Warnings& warnings);
 Result<void> write_cell(const std::filesystem::path& path, const Cell& cell);
+// As write_cell, but members of a cell file that is there already stay as they are where `cell` does not tell them,
+// those that are not known here included. Errors also as read_cell, where what is there is no cell file.
+Result<void> update_cell(const std::filesystem::path& path, const Cell& cell);
 
 }  // namespace beltpick::contract_io

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "base/stages.hpp"
+#include "calibrate/belt_frame.hpp"
 #include "calibrate/triangulate.hpp"
 #include "contract/result_codes.hpp"
 
@@ -25,9 +26,7 @@ Result<void> check_sizes(const Lens& old_lens, const Lens& new_lens, const char*
 Result<Plane> belt_plane(const Calibration& calibration, const std::optional<Cell>& cell, const CompareOptions& options,
                          bool& guessed) {
   if (cell && cell->T_belt_camera && !options.distance_mm) {
-    const auto T_camera_belt = cell->T_belt_camera->inverse();
-    const Vec3 normal = T_camera_belt.rotation.col(2);
-    return Plane{normal, normal.dot(T_camera_belt.translation_mm)};
+    return belt_plane_of(*cell->T_belt_camera);
   }
   guessed = !options.distance_mm;
   const auto distance_mm = guessed ? crossing_depth_mm(calibration) : options.distance_mm;
