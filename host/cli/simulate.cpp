@@ -34,6 +34,7 @@ struct SimulateOptions {
   int count = 1, parts_in_view = 3;
   std::uint64_t seed = 1;
   bool noise_free = false;
+  double drift_px = 0.0, drift_mm = 0.0;
   vc::RigOptions rig;
   vc::RenderOptions render;
   TargetOptions targets;
@@ -176,21 +177,27 @@ std::filesystem::path capture_folder(const SimulateOptions& options, int k) {
 }
 
 // The captures of --count scenes, one folder each.
-Result<Rendered> render(const SimulateOptions& options, const vc::Rig& rig, const Sequence& sequence, bool quiet) {
+Result<Rendered> render(const SimulateOptions& options, const vc::Rig& calibrated, const Sequence& sequence,
+                        bool quiet) {
   Rendered rendered;
+  const vc::Rig rig = vc::drifted(calibrated, options.drift_px, options.drift_mm, options.seed);
   const auto stage = Stage::make(options, rig);
   if (!stage) return std::unexpected(stage.error());
   vc::SceneRenderer renderer(rig, stage->parts(), options.render);
   const int frames = static_cast<int>(sequence.frames.size());
   // A plate is not held before a belt that has just stopped.
-  const vc::CaptureTiming timing{is_target_scene(options.scene, options.targets) ? 5.0 : vc::CaptureTiming{}.settle_s};
+  vc::CaptureTiming timing;
+  if (is_target_scene(options.scene, options.targets)) timing.settle_s = 5.0;
+  for (const std::string& fault : options.live.named_faults) {
+    if (auto added = timing.faults.add(fault); !added) return std::unexpected(added.error());
+  }
   Progress progress("simulate", options.count * frames, quiet);
   int exposed = 0;
   for (int k = 0; k < options.count; ++k) {
     const auto scene = stage->scene(k, rendered.warnings);
     if (!scene) return std::unexpected(scene.error());
     const std::filesystem::path folder = capture_folder(options, k);
-    if (auto written = write_rig_files(rig, sequence, folder); !written) return std::unexpected(written.error());
+    if (auto written = write_rig_files(calibrated, sequence, folder); !written) return std::unexpected(written.error());
     renderer.place(scene->instances, options.seed + static_cast<std::uint64_t>(k));
     Truth truth = vc::truth_of(renderer, scene->instances, stage->parts());
     truth.plate = scene->plate;
@@ -280,6 +287,11 @@ void add_rig_options(CLI::App& app, SimulateOptions& options) {
   app.add_option("--projector", options.projector_size, "projector size in pixels (default 912x1140)");
   app.add_option("--distance-mm", options.rig.camera_distance_mm, "camera to belt (default 700)");
   app.add_option("--angle-deg", options.rig.angle_deg, "between the axes of camera and projector (default 30)");
+  app.add_option("--drift-px", options.drift_px,
+                 "move principal points and borders of both images by so much since the calibration (default 0)")
+      ->check(CLI::Range(0.0, 50.0));
+  app.add_option("--drift-mm", options.drift_mm, "move the projector by so much since the calibration (default 0)")
+      ->check(CLI::Range(0.0, 50.0));
   app.add_option("--field-mm", options.rig.field_width_mm, "width in view at the belt (default 400)");
 }
 
@@ -289,9 +301,13 @@ void add_light_options(CLI::App& app, SimulateOptions& options) {
       ->check(CLI::Range(0.3, 3.0));
   app.add_option("--ambient", options.render.ambient_share, "ambient light against white (default 0.06)")
       ->check(CLI::Range(0.0, 2.0));
-  app.add_option("--camera-blur-px", options.render.camera_blur_px,
-                 "standard deviation of the camera lens's point spread (default 0; plates and targets 0.4)")
+  app.add_option(
+         "--camera-blur-px", options.render.camera_blur_px,
+         "standard deviation of the camera lens's point spread (default 0; plates and targets 0.4); 3: out of focus")
       ->check(CLI::Range(0.0, 20.0));
+  app.add_option("--beat", options.render.beat_frames,
+                 "frames of a free-running projector in an exposure, e.g. 1.3 (default 0: synchronised)")
+      ->check(CLI::Range(0.0, 1000.0));
   app.add_option("--sway-mm", options.render.sway_mm, "sway of the belt at its stop (default 0.25)")
       ->check(CLI::Range(0.0, 20.0));
   app.add_option("--exposure-us", options.render.nominal_exposure_us, "of every frame (default 8000)")

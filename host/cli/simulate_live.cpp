@@ -16,6 +16,7 @@
 #include "live_report.hpp"
 #include "live_switches.hpp"
 #include "options.hpp"
+#include "virtual_cell/render/capture_faults.hpp"
 #include "virtual_cell/render/scene.hpp"
 #include "virtual_cell/world/emulator_files.hpp"
 #include "virtual_cell/world/live_world.hpp"
@@ -100,7 +101,9 @@ void add_live_options(CLI::App& app, LiveOptions& options) {
   app.add_flag("--live", options.live, "run the whole cell in real time for a beltpickd");
   app.add_option("--faults", options.faults, "live: share of the belt's stops that a fault hits (default 0)")
       ->check(CLI::Range(0.0, 1.0));
-  app.add_option("--fault", options.named_faults, "live: NAME or NAME@STOP (from 0): " + fault_names());
+  app.add_option("--fault", options.named_faults,
+                 "live: NAME or NAME@STOP (from 0): " + fault_names() +
+                     "; of a written capture, images counted from 0: " + CaptureFaults::help());
   app.add_option(
          "--switches", options.switches,
          "live: make a FIFO here; a line with the name of a device's fault, or e-stop, breaks it, 'mend' mends all")

@@ -44,6 +44,8 @@ Truth truth_of(const SceneRenderer& renderer, std::span<const PartInstance> inst
 Result<void> write_capture_folder(SceneRenderer& renderer, const RenderOptions& options, const Sequence& sequence,
                                   const Truth& truth, const CaptureTiming& timing, const std::filesystem::path& folder,
                                   const std::function<void()>& done) {
+  const int frames = static_cast<int>(sequence.frames.size());
+  if (auto checked = timing.faults.check(frames); !checked) return checked;
   if (auto made = contract_io::make_folder(folder); !made) return made;
   // Without it no half-written mixture of an old capture and this one can be read.
   std::error_code none;
@@ -54,10 +56,12 @@ Result<void> write_capture_folder(SceneRenderer& renderer, const RenderOptions& 
   header.id = folder.filename().string();
   header.sequence = sequence;
   double time_s = timing.settle_s;
-  for (FrameSpec& frame : header.sequence.frames) {
+  for (int i = 0; i < frames; ++i) {
+    FrameSpec& frame = header.sequence.frames[static_cast<std::size_t>(i)];
     if (frame.exposure_us <= 0.0) frame.exposure_us = options.nominal_exposure_us;
     const ImageView<std::uint8_t> image(pixels.data(), size.rows, size.cols);
-    renderer.expose(frame, frame.exposure_us, time_s, image);
+    renderer.expose(timing.faults.shown(sequence, i), timing.faults.capped() ? 0.0 : frame.exposure_us, time_s, image,
+                    timing.faults.belt_shift_mm(i, frames));
     if (auto written = contract_io::write_png(folder / frame.file, image); !written) return written;
     time_s += 1.0 / timing.frame_rate_hz;
     done();

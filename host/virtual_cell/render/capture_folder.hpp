@@ -9,14 +9,16 @@
 #include "contract/capture.hpp"
 #include "contract/truth.hpp"
 #include "virtual_cell/render/belt_part.hpp"
+#include "virtual_cell/render/capture_faults.hpp"
 #include "virtual_cell/render/scene_renderer.hpp"
 
 namespace beltpick::virtual_cell {
 
-// Where in the sequence's time the camera stands: the belt stopped settle_s before the first frame.
+// How the capture runs: the belt stopped settle_s before the first frame; what goes wrong with its images.
 struct CaptureTiming {
   double settle_s = 0.25;
   double frame_rate_hz = 60.0;
+  CaptureFaults faults;
 };
 
 // The instances of a scene for the renderer.
@@ -27,7 +29,8 @@ Truth truth_of(const SceneRenderer& renderer, std::span<const PartInstance> inst
                std::span<const ScenePart> parts);
 
 // Exposes the sequence (each frame for its exposure_us, or the nominal one) and writes frames, truth and, last,
-// capture.json into `folder`, which is made. `done` is told each frame. Errors: kFileNotWritten.
+// capture.json into `folder`, which is made. `done` is told each frame. The truth is that of the first frame. Errors:
+// kFileNotWritten, kUsage for faults beyond the sequence.
 Result<void> write_capture_folder(SceneRenderer& renderer, const RenderOptions& options, const Sequence& sequence,
                                   const Truth& truth, const CaptureTiming& timing, const std::filesystem::path& folder,
                                   const std::function<void()>& done);

@@ -17,7 +17,11 @@ float pixel_share(double offset, double sigma) {
 
 }  // namespace
 
-PatternLight::PatternLight(const ProjectorGrid& grid, double gamma) : grid_(grid), gamma_(gamma) {
+PatternLight::PatternLight(const ProjectorGrid& grid, double gamma) : grid_(grid) {
+  for (std::size_t value = 0; value < gamma_response_.size(); ++value) {
+    gamma_response_[value] = static_cast<float>(std::pow(static_cast<double>(value) / 255.0, gamma));
+  }
+  response_ = gamma_response_;
   for (int parity = 0; parity < 2; ++parity) {
     for (int level = 0; level < kBlurLevels; ++level) {
       const double sigma = kSigmaFirst + kSigmaStep * static_cast<float>(level);
@@ -45,9 +49,9 @@ void PatternLight::add_rows(const FrameSpec& frame, int parity, float share) {
   const int padding = kReach + static_cast<int>(kMargin);
   pixel_.assign(static_cast<std::size_t>(extent + 2 * padding + 1), 0.0F);
   for (int x = 0; x < extent; ++x) {
-    // The pattern image holds 8 bits; gamma is what the projector makes of them.
-    const double value = std::round(255.0 * pattern_intensity(frame, x + 0.5 * parity)) / 255.0;
-    pixel_[x + padding] = share * (kBlack + (1.0F - kBlack) * static_cast<float>(std::pow(value, gamma_)));
+    // The pattern image holds 8 bits; the response is what the projector makes of them.
+    const auto value = static_cast<std::size_t>(std::lround(255.0 * pattern_intensity(frame, x + 0.5 * parity)));
+    pixel_[x + padding] = share * (kBlack + (1.0F - kBlack) * response_[value]);
   }
   mean_ += std::accumulate(pixel_.begin(), pixel_.end(), 0.0F) / static_cast<float>(extent);
   for (int level = 0; level < kBlurLevels; ++level) {
@@ -57,6 +61,34 @@ void PatternLight::add_rows(const FrameSpec& frame, int parity, float share) {
       out[sample] += std::inner_product(weight.begin(), weight.end(), pixel_.begin() + sample / kSubdivision, 0.0F);
     }
   }
+}
+
+PatternLight::Response PatternLight::pulsed(double frames, double phase) const {
+  constexpr double kLitShare = 11.0 / 12.0;
+  // The time that a bit plane, from `begin` for `length` of each frame, is open within the exposure.
+  const auto open = [&](double begin, double length) {
+    const auto until = [&](double time) {
+      const double whole = std::floor(time);
+      return whole * length + std::clamp(time - whole - begin, 0.0, length);
+    };
+    return until(phase + frames) - until(phase);
+  };
+  std::array<double, 8> bit_light{};
+  double begin = 0.0;
+  for (int bit = 7; bit >= 0; --bit) {
+    const double length = kLitShare * (1 << bit) / 255.0;
+    bit_light[static_cast<std::size_t>(bit)] = open(begin, length) / (frames * kLitShare);
+    begin += length;
+  }
+  Response response{};
+  for (std::size_t value = 0; value < response.size(); ++value) {
+    // The bits shown are those of the value that gamma leaves.
+    const auto shown = static_cast<unsigned>(std::lround(255.0F * gamma_response_[value]));
+    double light = 0.0;
+    for (std::size_t bit = 0; bit < 8; ++bit) light += ((shown >> bit) & 1U) != 0 ? bit_light[bit] : 0.0;
+    response[value] = static_cast<float>(light);
+  }
+  return response;
 }
 
 int PatternLight::blur_level(float sigma_px) {

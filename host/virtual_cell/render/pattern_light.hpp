@@ -21,6 +21,13 @@ class PatternLight {
 
   void set(const FrameSpec& frame);
 
+  // Light of each of the 256 pattern values; gamma's own until set. Takes effect with the next set().
+  using Response = std::array<float, 256>;
+  void set_response(const Response& response) { response_ = response; }
+  // What a projector that dims by pulses shows to an exposure of `frames` of its frames, begun at `phase` (0..1) of
+  // one: in its frame it shows the value's bits one after the other, the longest first, and is dark for a twelfth.
+  [[nodiscard]] Response pulsed(double frames, double phase) const;
+
   // Light at a coordinate along the axis of the frame. Zero beyond the projector's image.
   [[nodiscard]] float at(float coordinate_px, int blur_level) const {
     const float place = (coordinate_px + kMargin) * kSubdivision;
@@ -42,7 +49,8 @@ class PatternLight {
   static constexpr float kSigmaFirst = 0.40F, kSigmaStep = 0.16F;
 
   ProjectorGrid grid_;
-  double gamma_;
+  Response gamma_response_{};
+  Response response_{};
   Axis axis_ = Axis::kColumn;
   int samples_ = 0;
   float mean_ = 0.0F;

@@ -5,6 +5,7 @@
 
 #include <Eigen/Geometry>
 
+#include "base/random.hpp"
 #include "base/units.hpp"
 #include "contract/result_codes.hpp"
 
@@ -113,6 +114,24 @@ Result<Rig> make_rig(const RigOptions& options) {
   rig.T_robot_belt = {Eigen::AngleAxisd(rad_from_deg(90.0), Vec3::UnitZ()).toRotationMatrix(),
                       Vec3(620.0, 40.0, -85.0)};
   return rig;
+}
+
+Rig drifted(const Rig& rig, double px, double mm, std::uint64_t seed) {
+  Random random(seed, 53);
+  Rig warm = rig;
+  for (RichLens* lens : {&warm.camera, &warm.projector}) {
+    const double angle = random.uniform(0.0, 2.0 * kPi);
+    lens->cx_px += px * std::cos(angle);
+    lens->cy_px += px * std::sin(angle);
+    const double scale = 1.0 + (random.uniform() < 0.5 ? 2.0 : -2.0) * px / lens->width;
+    lens->fx_px *= scale;
+    lens->fy_px *= scale;
+  }
+  const double height = random.uniform(-1.0, 1.0);
+  const double turn = random.uniform(0.0, 2.0 * kPi);
+  const double level = std::sqrt(1.0 - height * height);
+  warm.T_projector_camera.translation_mm += mm * Vec3(level * std::cos(turn), level * std::sin(turn), height);
+  return warm;
 }
 
 }  // namespace beltpick::virtual_cell

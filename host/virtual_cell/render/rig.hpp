@@ -1,6 +1,7 @@
 // Rig: the true optics of a virtual cell: camera, projector, belt and robot, as no calibration ever knows them.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 
 #include "base/pose.hpp"
@@ -41,6 +42,11 @@ Result<Rig> make_rig(const RigOptions& options = {});
 // Reads RigOptions from a TOML file whose keys are the members' names (layout: "square" or "diamond"); missing keys
 // keep their default. Errors: kFileNotFound, kFormatInvalid (with the line), kValueOutOfRange.
 Result<RigOptions> read_rig_options(const std::filesystem::path& file);
+
+// The rig after it has warmed up since its calibration: both lenses' principal points moved by `px` in directions that
+// the seed draws, their focal lengths changed so that the image's border moves by `px`, and the projector moved by `mm`
+// against the camera.
+Rig drifted(const Rig& rig, double px, double mm, std::uint64_t seed);
 
 // Height above the belt that the projector lights within the camera's field.
 inline constexpr double kPartHeightMm = 110.0;

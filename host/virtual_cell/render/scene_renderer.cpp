@@ -137,6 +137,11 @@ void SceneRenderer::place(std::span<const PartInstance> instances, std::uint64_t
 void SceneRenderer::expose(const FrameSpec& frame, double exposure_us, double time_s, ImageView<std::uint8_t> image,
                            double belt_shift_mm) {
   State& s = *state_;
+  if (s.options.beat_frames > 0.0 && exposure_us > 0.0) {
+    const double frames_run = time_s * 1e6 * s.options.beat_frames / s.options.nominal_exposure_us;
+    const double frames_exposed = s.options.beat_frames * exposure_us / s.options.nominal_exposure_us;
+    s.light.set_response(s.light.pulsed(frames_exposed, frames_run - std::floor(frames_run)));
+  }
   s.light.set(frame);
   const double sway_mm =
       s.options.noise ? s.options.sway_mm * std::exp(-time_s / kSwayDecayS) * std::cos(2.0 * kPi * kSwayHz * time_s)
