@@ -1,10 +1,8 @@
 #include "decode/decoder.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 
-#include "base/units.hpp"
 #include "contract/result_codes.hpp"
 
 namespace beltpick::decode {
@@ -120,17 +118,6 @@ void Decoder::write_row(int row) {
   }
 }
 
-CodeNoise Decoder::noise(Axis axis) const {
-  const AxisPlan& planned = context_.plan->exposures.front().axes[static_cast<std::size_t>(axis)];
-  if (planned.method == Method::kNotCoded) return {};
-  if (planned.method == Method::kGrayOnly) {
-    const GrayCode& code = context_.plan->grays[static_cast<std::size_t>(planned.gray)];
-    return {.floor_px = static_cast<float>(code.cell_px / std::sqrt(12.0)), .slope_px = 0.0F};
-  }
-  const PhaseChannel& finest = context_.plan->channels[static_cast<std::size_t>(planned.channels.front())];
-  return {.floor_px = 0.0F, .slope_px = static_cast<float>(finest.noise_gain * finest.period_px / (2.0 * kPi))};
-}
-
 CodeImage Decoder::output() const {
   const auto view = [&](auto memory) { return ImageView(memory.data(), rows_, context_.cols); };
   CodeImage code;
@@ -139,8 +126,8 @@ CodeImage Decoder::output() const {
   code.modulation = view(modulation_);
   code.texture = view(texture_);
   code.state = view(state_);
-  code.column_noise = noise(Axis::kColumn);
-  code.row_noise = noise(Axis::kRow);
+  code.column_noise = code_noise(*context_.plan, Axis::kColumn);
+  code.row_noise = code_noise(*context_.plan, Axis::kRow);
   return code;
 }
 

@@ -59,7 +59,6 @@ class Decoder {
   Result<void> fold_any(int index, ImageView<const Pixel> image);
   void write_row(int row);
   [[nodiscard]] CodeImage output() const;
-  [[nodiscard]] CodeNoise noise(Axis axis) const;
 
   DecoderLimits limits_;
   RowContext context_;

@@ -1,5 +1,8 @@
 #include "decode/plan.hpp"
 
+#include <cmath>
+
+#include "base/units.hpp"
 #include "contract/result_codes.hpp"
 #include "decode/plan_builder.hpp"
 
@@ -24,6 +27,17 @@ int FoldPlan::state_bytes(int pixel_bytes) const {
   int bytes = 0;
   for (const PlaneKind kind : planes) bytes += plane_bytes(kind, pixel_bytes);
   return bytes;
+}
+
+CodeNoise code_noise(const FoldPlan& plan, Axis axis) {
+  const AxisPlan& planned = plan.exposures.front().axes[static_cast<std::size_t>(axis)];
+  if (planned.method == Method::kNotCoded) return {};
+  if (planned.method == Method::kGrayOnly) {
+    const GrayCode& code = plan.grays[static_cast<std::size_t>(planned.gray)];
+    return {.floor_px = static_cast<float>(code.cell_px / std::sqrt(12.0)), .slope_px = 0.0F};
+  }
+  const PhaseChannel& finest = plan.channels[static_cast<std::size_t>(planned.channels.front())];
+  return {.floor_px = 0.0F, .slope_px = static_cast<float>(finest.noise_gain * finest.period_px / (2.0 * kPi))};
 }
 
 Result<FoldPlan> make_fold_plan(const Sequence& sequence) {

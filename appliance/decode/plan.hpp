@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "base/result.hpp"
+#include "base/stages.hpp"
 #include "contract/capture.hpp"
 
 namespace beltpick::decode {
@@ -130,6 +131,9 @@ struct FoldPlan {
   // State of the decoder for each pixel, outputs not included. `pixel_bytes`: 1 or 2, the camera's.
   [[nodiscard]] int state_bytes(int pixel_bytes) const;
 };
+
+// The noise of the coordinates that `plan` gives along `axis`; all zero where it codes none.
+CodeNoise code_noise(const FoldPlan& plan, Axis axis);
 
 // Plans the decoding of `sequence`. Error: kSequenceUndecodable (what lacks, and where), kLimitExceeded (exposures).
 Result<FoldPlan> make_fold_plan(const Sequence& sequence);

@@ -6,6 +6,7 @@
 #include "contract/flash_plan.hpp"
 #include "contract/result_codes.hpp"
 #include "contract/sequences.hpp"
+#include "contract_io/calibration_io.hpp"
 #include "contract_io/capture_io.hpp"
 #include "contract_io/file_io.hpp"
 #include "contract_io/image_io.hpp"
@@ -13,6 +14,7 @@
 #include "options.hpp"
 #include "pattern_images.hpp"
 #include "progress.hpp"
+#include "sequence_forecast.hpp"
 
 namespace beltpick::cli {
 namespace {
@@ -27,6 +29,9 @@ struct PatternOptions {
   std::string out;
   bool explain = false;
   bool lcr4500 = false;
+  FrameTiming timing;
+  std::string calibration;
+  double distance_mm = 0.0;
 };
 
 std::string explain(const FrameSpec& frame) {
@@ -110,26 +115,106 @@ contract_io::Json flash_answer(const lcr4500::FlashPlan& flash) {
           {"load_ms", flash.load_us() / 1000}};
 }
 
-Result<void> run(const PatternOptions& options, Session& session) {
+// A sequence file's frames, named as `beltpick patterns` names them. Error: kCalibrationMismatch where the options tell
+// of another projector, besides those of the file.
+Result<Sequence> read_frames(const PatternOptions& options, const Session& session) {
+  if (!std::filesystem::exists(options.sequence)) {
+    return failure(ResultCode::kFileNotFound,
+                   "--sequence: expected fast, standard, robust or a sequence.json, found '%s'; check the path",
+                   contract_io::one_line(options.sequence).substr(0, 200).c_str());
+  }
+  contract_io::Warnings warnings;
+  auto sequence = contract_io::read_sequence(options.sequence, warnings);
+  session.warn(warnings);
+  if (!sequence || (options.projector.empty() && options.layout.empty() && !options.lcr4500)) return sequence;
+  PatternOptions asked = options;
+  const ProjectorGrid& found = sequence->projector;
+  if (asked.projector.empty() && !asked.lcr4500) {
+    asked.projector = std::to_string(found.width) + "x" + std::to_string(found.height);
+  }
+  const auto grid = read_grid(asked);
+  if (!grid) return std::unexpected(grid.error());
+  const bool same_layout = (asked.layout.empty() && !asked.lcr4500) || grid->layout == found.layout;
+  if (grid->width == found.width && grid->height == found.height && same_layout) return sequence;
+  return failure(ResultCode::kCalibrationMismatch,
+                 "%s: projector: expected %dx%d %s as the options say, found %dx%d %s; leave --projector, --layout and "
+                 "--lcr4500 out or correct them",
+                 options.sequence.c_str(), grid->width, grid->height,
+                 kLayouts[static_cast<std::size_t>(grid->layout)].data(), found.width, found.height,
+                 kLayouts[static_cast<std::size_t>(found.layout)].data());
+}
+
+Result<Sequence> find_frames(const PatternOptions& options, const Session& session) {
+  const auto named = find_sequence_name(options.sequence);
+  if (!named) return read_frames(options, session);
   const auto grid = read_grid(options);
   if (!grid) return std::unexpected(grid.error());
-  auto sequence = make_sequence(enum_of<SequenceName>(options.sequence, kSequenceNames), *grid,
-                                enum_of<SequenceAxes>(options.axes, kSequenceAxesNames));
-  if (!sequence) return std::unexpected(sequence.error());
-  contract_io::Json answer = {{"out", options.out}, {"frames", sequence->frames.size()}};
-  std::string about_flash;
-  if (options.lcr4500) {
-    const auto flash = lcr4500::plan_flash(*sequence);
-    if (!flash) return std::unexpected(flash.error());
-    sequence->flash = flash->places;
-    answer["flash"] = flash_answer(*flash);
-    about_flash = flash_text(*sequence, *flash);
+  return make_sequence(*named, *grid, enum_of<SequenceAxes>(options.axes, kSequenceAxesNames));
+}
+
+Result<SequenceForecast> make_forecast(const PatternOptions& options, const Sequence& sequence, double load_us,
+                                       const Session& session) {
+  if (options.calibration.empty()) {
+    const auto at = default_working_point(sequence.projector);
+    return at ? forecast(sequence, options.timing, load_us, *at) : std::unexpected(at.error());
   }
-  if (const auto written = write_images(*sequence, options.out, session.json); !written) return written;
-  const std::string size = std::to_string(grid->width) + "x" + std::to_string(grid->height);
-  session.answer(answer, (options.explain ? explain(*sequence) : "") + options.out + ": " +
-                             std::to_string(sequence->frames.size()) + " patterns of " + size +
-                             " pixels and sequence.json\n" + about_flash);
+  contract_io::Warnings warnings;
+  const auto calibration = contract_io::read_calibration(options.calibration, warnings);
+  session.warn(warnings);
+  if (!calibration) return std::unexpected(calibration.error());
+  const Lens& lens = calibration->projector;
+  if (lens.width != sequence.projector.width || lens.height != sequence.projector.height) {
+    return failure(ResultCode::kCalibrationMismatch,
+                   "%s: projector: expected the sequence's %dx%d, found %dx%d; use the calibration of this projector",
+                   options.calibration.c_str(), sequence.projector.width, sequence.projector.height, lens.width,
+                   lens.height);
+  }
+  const auto at = working_point(*calibration, options.distance_mm);
+  return at ? forecast(sequence, options.timing, load_us, *at) : std::unexpected(at.error());
+}
+
+// What is told of a sequence: for machines, for a person, and for a person who asked to have it explained.
+struct Told {
+  contract_io::Json json;
+  std::string flash;
+  std::string explained;
+};
+
+Result<Told> describe(const PatternOptions& options, Sequence& sequence, const Session& session) {
+  Told told{{{"out", options.out}, {"frames", sequence.frames.size()}}, "", ""};
+  double load_us = 0.0;
+  if (options.lcr4500) {
+    const auto flash = lcr4500::plan_flash(sequence);
+    if (!flash) return std::unexpected(flash.error());
+    sequence.flash = flash->places;
+    load_us = flash->load_us();
+    told.json["flash"] = flash_answer(*flash);
+    told.flash = flash_text(sequence, *flash);
+  }
+  if (!options.explain) return told;
+  const auto predicted = make_forecast(options, sequence, load_us, session);
+  if (!predicted) return std::unexpected(predicted.error());
+  told.json["explain"] = forecast_json(*predicted, options.timing);
+  told.explained = explain(sequence) + forecast_text(*predicted, options.timing);
+  return told;
+}
+
+Result<void> run(const PatternOptions& options, Session& session) {
+  if (options.out.empty() && !options.explain) {
+    return failure(ResultCode::kUsage, "expected --out DIR for the images, or --explain, found neither; see --help");
+  }
+  auto sequence = find_frames(options, session);
+  if (!sequence) return std::unexpected(sequence.error());
+  const auto told = describe(options, *sequence, session);
+  if (!told) return std::unexpected(told.error());
+  std::string person = told->explained;
+  if (!options.out.empty()) {
+    if (const auto written = write_images(*sequence, options.out, session.json); !written) return written;
+    person += options.out + ": " + std::to_string(sequence->frames.size()) + " patterns of " +
+              std::to_string(sequence->projector.width) + "x" + std::to_string(sequence->projector.height) +
+              " pixels and sequence.json\n";
+  }
+  session.answer(told->json, person + told->flash);
   return {};
 }
 
@@ -138,8 +223,7 @@ Result<void> run(const PatternOptions& options, Session& session) {
 Run add_patterns(CLI::App& app) {
   const auto options = std::make_shared<PatternOptions>();
   app.add_option("--projector", options->projector, "the projector's size in pixels, e.g. 912x1140");
-  app.add_option("--sequence", options->sequence, "fewer or more frames (default standard)")
-      ->check(CLI::IsMember(choices(kSequenceNames)));
+  app.add_option("--sequence", options->sequence, "fast, standard, robust or a sequence.json (default standard)");
   app.add_option("--axes", options->axes, "what to code of a projector's pixel (default column)")
       ->check(CLI::IsMember(choices(kSequenceAxesNames)));
   app.add_option("--layout", options->layout, "the projector's lattice (default square)")
@@ -147,11 +231,22 @@ Run add_patterns(CLI::App& app) {
   app.add_flag(
       "--lcr4500", options->lcr4500,
       "for a LightCrafter 4500: also the 24-bit images for its flash, and in sequence.json where each frame lies");
-  app.add_option("--out", options->out, "folder for 000.png ... and sequence.json")->required()->type_name("DIR");
-  app.add_flag("--explain", options->explain, "list what every frame shows");
+  app.add_option("--out", options->out, "folder for 000.png ... and sequence.json")->type_name("DIR");
+  app.add_flag("--explain", options->explain,
+               "list what every frame shows, how long that takes, what memory decoding takes and what noise to expect");
+  app.add_option("--projector-hz", options->timing.projector_hz, "explain: frames that it shows a second (default 60)")
+      ->check(CLI::Range(0.01, 1e5));
+  app.add_option("--exposure-us", options->timing.exposure_us, "explain: of the camera, a frame (default 8000)")
+      ->check(CLI::Range(1.0, 1e7));
+  app.add_option("--calibration", options->calibration, "explain: of the rig (default: the virtual cell's rig)")
+      ->type_name("FILE");
+  app.add_option("--distance-mm", options->distance_mm,
+                 "explain: camera to object, with --calibration (default: where camera and projector meet)")
+      ->check(CLI::Range(1.0, 1e5));
   example(app,
           "  beltpick patterns --projector 912x1140 --sequence standard --axes column --out patterns\n"
-          "  beltpick patterns --lcr4500 --sequence fast --out patterns");
+          "  beltpick patterns --lcr4500 --sequence fast --out patterns\n"
+          "  beltpick patterns --sequence patterns/sequence.json --explain --projector-hz 120 --calibration cal.json");
   return [options](Session& session) { return run(*options, session); };
 }
 

@@ -58,6 +58,41 @@ TEST_CASE("Every named sequence and layout is written, with JSON and an explanat
   CHECK(outcome.out.find("000.png  phase  column") != std::string::npos);
 }
 
+TEST_CASE("patterns explains any sequence before anything is captured", "[patterns]") {
+  const TempFolder folder;
+  const auto explained = [&](const std::string& arguments) {
+    const Outcome outcome = beltpick_run("patterns --explain --json " + arguments);
+    INFO(arguments << ": " << outcome.err);
+    REQUIRE(outcome.exit_code == 0);
+    return nlohmann::json::parse(outcome.out);
+  };
+  const auto standard = explained("--projector 912x1140 --axes both --projector-hz 120 --exposure-us 4000");
+  CHECK(standard["frames"] == 32);
+  CHECK(standard["explain"]["time_ms"].get<double>() == Approx(32 * 1000.0 / 120.0));
+  CHECK(standard["explain"]["axes"].size() == 2);
+  CHECK(standard["explain"]["decoder_bytes_per_pixel"].get<int>() > 8);
+  const auto sigma_mm = [](const nlohmann::json& answer) {
+    return answer["explain"]["axes"][0]["noise"][0]["sigma_mm"].get<double>();
+  };
+  CHECK(sigma_mm(standard) < 0.022);
+  // Columns tell the depth, rows nearly nothing: camera and projector stand side by side.
+  CHECK(standard["explain"]["axes"][1]["mm_per_px"] > 10.0 * standard["explain"]["axes"][0]["mm_per_px"].get<double>());
+  const auto fast = explained("--projector 912x1140 --sequence fast --exposure-us 20000");
+  CHECK(fast["explain"]["time_ms"].get<double>() == Approx(12 * 20.0));  // the camera is the slower one
+  CHECK(sigma_mm(fast) > 1.3 * sigma_mm(standard));
+  CHECK_FALSE(std::filesystem::exists(folder / "out"));
+  // The same frames from a file, written or not.
+  REQUIRE(beltpick_run("patterns --projector 912x1140 --sequence fast --out " + (folder / "fast").string()).exit_code ==
+          0);
+  const std::string file = (folder / "fast/sequence.json").string();
+  CHECK(sigma_mm(explained("--sequence " + file)) == Approx(sigma_mm(fast)));
+  CHECK(explained("--sequence " + file + " --out " + (folder / "again").string())["frames"] == 12);
+  CHECK(file_bytes(folder / "again/003.png") == file_bytes(folder / "fast/003.png"));
+  const Outcome other = beltpick_run("patterns --explain --projector 640x480 --sequence " + file);
+  CHECK(other.exit_code != 0);
+  CHECK(other.error_lines() == 1);
+}
+
 TEST_CASE("patterns for a LightCrafter 4500 tells planes, images and load time to a person", "[patterns]") {
   const TempFolder folder;
   const Outcome fast = beltpick_run("patterns --lcr4500 --sequence fast --explain --out " + (folder / "fast").string());

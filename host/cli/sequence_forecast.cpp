@@ -1,0 +1,151 @@
+#include "sequence_forecast.hpp"
+
+#include <array>
+#include <cmath>
+#include <cstdio>
+
+#include "base/camera_noise.hpp"
+#include "contract/lens_project.hpp"
+#include "contract/result_codes.hpp"
+#include "decode/plan.hpp"
+#include "virtual_cell/render/rig.hpp"
+#include "virtual_cell/render/rig_calibration.hpp"
+
+namespace beltpick::cli {
+namespace {
+
+// A matt surface at the default exposure, an ordinary one, a dark or steep one.
+constexpr std::array<double, 3> kModulations{85.0, 60.0, 20.0};
+constexpr double kMeanOverModulation = 1.1;
+constexpr double kNearestMm = 50.0, kFarthestMm = 10000.0;
+
+// The direction (z = 1) that the lens shows at a pixel: the inverse of project() by fixed-point steps.
+Vec3 ray_through(const Lens& lens, double column_px, double row_px) {
+  Vec3 ray((column_px - lens.cx_px) / lens.fx_px, (row_px - lens.cy_px) / lens.fy_px, 1.0);
+  for (int step = 0; step < 50; ++step) {
+    const PixelPosition seen = project(lens, ray);
+    ray.x() += (column_px - seen.column_px) / lens.fx_px;
+    ray.y() += (row_px - seen.row_px) / lens.fy_px;
+  }
+  return ray;
+}
+
+Vec3 middle_ray(const Calibration& calibration) {
+  const Lens& camera = calibration.camera;
+  return ray_through(camera, 0.5 * (camera.width - 1), 0.5 * (camera.height - 1));
+}
+
+double coordinate(const PixelPosition& position, Axis axis) {
+  return axis == Axis::kColumn ? position.column_px : position.row_px;
+}
+
+double depth_per_px(const WorkingPoint& at, Axis axis) {
+  const Vec3 ray = middle_ray(at.calibration);
+  const auto code_at = [&](double z_mm) {
+    return coordinate(project(at.calibration.projector, at.calibration.T_projector_camera * Vec3(z_mm * ray)), axis);
+  };
+  const double step_mm = 1e-3 * at.distance_mm;
+  const double px = std::abs(code_at(at.distance_mm + step_mm) - code_at(at.distance_mm - step_mm));
+  return 2.0 * step_mm / std::max(px, 1e-9);
+}
+
+const char* name_of(Axis axis) { return axis == Axis::kColumn ? "column" : "row"; }
+
+}  // namespace
+
+double AxisForecast::sigma_mm(double modulation) const {
+  const double level = std::sqrt(kCameraNoise.variance(static_cast<float>(kMeanOverModulation * modulation)));
+  const auto slope_px = static_cast<double>(noise.slope_px);
+  return mm_per_px * std::hypot(static_cast<double>(noise.floor_px), slope_px * level / modulation);
+}
+
+Result<WorkingPoint> default_working_point(const ProjectorGrid& projector) {
+  virtual_cell::RigOptions options;
+  options.projector_width = projector.width;
+  options.projector_height = projector.height;
+  options.layout = projector.layout;
+  const auto rig = virtual_cell::make_rig(options);
+  if (!rig) return std::unexpected(rig.error());
+  return WorkingPoint{virtual_cell::calibrate_rig(*rig).calibration, options.camera_distance_mm};
+}
+
+Result<WorkingPoint> working_point(const Calibration& calibration, double distance_mm) {
+  WorkingPoint found{calibration, distance_mm};
+  if (distance_mm > 0.0) return found;
+  const Lens& projector = calibration.projector;
+  const Vec3 ray = middle_ray(calibration);
+  double least = 0.5;  // of the projector's image
+  for (double z_mm = kNearestMm; z_mm < kFarthestMm; z_mm *= 1.005) {
+    const Vec3 lit = calibration.T_projector_camera * Vec3(z_mm * ray);
+    if (!in_field(projector, lit)) continue;
+    const PixelPosition at = project(projector, lit);
+    const double off =
+        std::max(std::abs(at.column_px / projector.width - 0.5), std::abs(at.row_px / projector.height - 0.5));
+    if (off >= least) continue;
+    least = off;
+    found.distance_mm = z_mm;
+  }
+  if (found.distance_mm > 0.0) return found;
+  return failure(ResultCode::kValueOutOfRange,
+                 "calibration: the middle of the camera's image never meets the projector's light between %.0f and "
+                 "%.0f mm; give --distance-mm",
+                 kNearestMm, kFarthestMm);
+}
+
+Result<SequenceForecast> forecast(const Sequence& sequence, const FrameTiming& timing, double load_us,
+                                  const WorkingPoint& at) {
+  const auto plan = decode::make_fold_plan(sequence);
+  if (!plan) return std::unexpected(plan.error());
+  SequenceForecast result;
+  result.frames = static_cast<int>(sequence.frames.size());
+  result.time_ms = 1e-3 * (result.frames * timing.frame_us() + load_us);
+  result.state_bytes8 = plan->state_bytes(1);
+  result.state_bytes16 = plan->state_bytes(2);
+  result.distance_mm = at.distance_mm;
+  for (const Axis axis : {Axis::kColumn, Axis::kRow}) {
+    if (plan->codes(axis)) result.axes.push_back({axis, decode::code_noise(*plan, axis), depth_per_px(at, axis)});
+  }
+  return result;
+}
+
+std::string forecast_text(const SequenceForecast& forecast, const FrameTiming& timing) {
+  char line[240];
+  std::snprintf(line, sizeof line,
+                "%d frames: %.0f ms at %g frames a second; the decoder keeps %d bytes a pixel (%d "
+                "for a camera of 16 bits)\n",
+                forecast.frames, forecast.time_ms, 1e6 / timing.frame_us(), forecast.state_bytes8,
+                forecast.state_bytes16);
+  std::string text = line;
+  for (const AxisForecast& axis : forecast.axes) {
+    std::snprintf(line, sizeof line,
+                  "noise of the depth by %ss, %.0f mm from the camera (%.3f mm for a projector pixel):",
+                  name_of(axis.axis), forecast.distance_mm, axis.mm_per_px);
+    text += line;
+    for (const double modulation : kModulations) {
+      std::snprintf(line, sizeof line, "%s %.3f mm where the modulation is %.0f",
+                    modulation == kModulations.front() ? "" : ",", axis.sigma_mm(modulation), modulation);
+      text += line;
+    }
+    text += " grey levels of 255\n";
+  }
+  return text;
+}
+
+contract_io::Json forecast_json(const SequenceForecast& forecast, const FrameTiming& timing) {
+  contract_io::Json axes = contract_io::Json::array();
+  for (const AxisForecast& axis : forecast.axes) {
+    contract_io::Json noise = contract_io::Json::array();
+    for (const double modulation : kModulations) {
+      noise.push_back({{"modulation", modulation}, {"sigma_mm", axis.sigma_mm(modulation)}});
+    }
+    axes.push_back({{"axis", name_of(axis.axis)}, {"mm_per_px", axis.mm_per_px}, {"noise", noise}});
+  }
+  return {{"time_ms", forecast.time_ms},
+          {"frame_us", timing.frame_us()},
+          {"decoder_bytes_per_pixel", forecast.state_bytes8},
+          {"decoder_bytes_per_pixel_16_bit", forecast.state_bytes16},
+          {"distance_mm", forecast.distance_mm},
+          {"axes", axes}};
+}
+
+}  // namespace beltpick::cli
