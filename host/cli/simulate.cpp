@@ -305,6 +305,9 @@ void add_light_options(CLI::App& app, SimulateOptions& options) {
          "--camera-blur-px", options.render.camera_blur_px,
          "standard deviation of the camera lens's point spread (default 0; plates and targets 0.4); 3: out of focus")
       ->check(CLI::Range(0.0, 20.0));
+  app.add_option("--interreflection", options.render.interreflection,
+                 "light that surfaces throw on each other: 0 none (default) to 1, as it is; slower")
+      ->check(CLI::Range(0.0, 1.0));
   app.add_option("--beat", options.render.beat_frames,
                  "frames of a free-running projector in an exposure, e.g. 1.3 (default 0: synchronised)")
       ->check(CLI::Range(0.0, 1000.0));
@@ -325,7 +328,8 @@ Run add_simulate(CLI::App& app) {
   app.add_option("--scene", options->scene,
                  "paper:1..12, belt, bare, plane (of the belt, or --height-mm, --tilt-deg); calibration: plate, "
                  "plate-on-belt; known shapes: planes (spread by seed), sphere (a ball bar), steps (default belt)");
-  app.add_option("--part", options->parts, "knuckle, elbow, bracket or a mesh file; repeat to mix (default knuckle)");
+  app.add_option("--part", options->parts,
+                 "knuckle, elbow, bracket, vblock or a mesh file; repeat to mix (default knuckle)");
   app.add_option("--mm-per-unit", options->mm_per_unit, "of mesh files (default 1)")->check(CLI::Range(1e-6, 1e6));
   app.add_option("--parts", options->parts_in_view,
                  "parts in view of a belt (default 3); live: on the belt (default 24)")

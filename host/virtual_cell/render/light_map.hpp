@@ -4,25 +4,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "virtual_cell/render/ray_scene.hpp"
-#include "virtual_cell/render/rig.hpp"
-#include "virtual_cell/render/scene_renderer.hpp"
+#include "virtual_cell/render/caster.hpp"
 
 namespace beltpick::virtual_cell {
-
-// How much of a pixel is printed.
-enum class Ink : std::uint8_t { kNone, kAll, kMixed };
-
-// What one ray through the camera brings back.
-struct LightSample {
-  float column_px = 0.0F, row_px = 0.0F;  // in the projector's image
-  float direct = 0.0F;                    // radiance per white projector light; 0 in shadow
-  float ambient = 0.0F;                   // radiance per ambient light
-  float distance = 0.0F;                  // along the pixel's ray (camera z, mm)
-  std::int16_t instance = kHitNothing;
-  std::uint8_t blur_level = 0;
-  Ink ink = Ink::kNone;
-};
 
 struct LightMap {
   int rows = 0, cols = 0;
@@ -59,7 +43,7 @@ class RayTable {
 
 // Casts one ray a pixel, then edge_samples squared rays through the pixels on edges. Two threads; the result does not
 // depend on their number.
-void fill_light_map(const Rig& rig, const RayTable& rays, const RayScene& scene, const RenderOptions& options,
-                    std::uint64_t seed, LightMap& map);
+void fill_light_map(const RichLens& camera, const RayTable& rays, const Caster& caster, int edge_samples,
+                    LightMap& map);
 
 }  // namespace beltpick::virtual_cell

@@ -53,6 +53,11 @@ std::vector<Grasp> bracket_grasps() {
           grasp("base-end", {46.0, 0.0, 5.0}, -Vec3::UnitX(), Vec3::UnitZ(), 22.0)};
 }
 
+std::vector<Grasp> vblock_grasps() {
+  return {grasp("sides", {4.0, 0.0, 20.0}, -Vec3::UnitZ(), Vec3::UnitY(), 76.0),
+          grasp("web", {4.0, 0.0, 36.0}, -Vec3::UnitZ(), Vec3::UnitX(), 24.0)};
+}
+
 // Half a turn about the bisector of the two flanges.
 Pose<frame::Part, frame::Part> elbow_half_turn() {
   const Vec3 bisector = Vec3(1.0, 1.0, 0.0).normalized();
@@ -88,7 +93,7 @@ Result<void> write_grasps(const ScenePart& part, const std::filesystem::path& fi
 
 }  // namespace
 
-std::vector<std::string> builtin_part_names() { return {"knuckle", "elbow", "bracket"}; }
+std::vector<std::string> builtin_part_names() { return {"knuckle", "elbow", "bracket", "vblock"}; }
 
 Result<ScenePart> builtin_part(const std::string& name) {
   if (name == "knuckle") {
@@ -107,7 +112,12 @@ Result<ScenePart> builtin_part(const std::string& name) {
     if (part) part->grasps = bracket_grasps();
     return part;
   }
-  return failure(ResultCode::kUsage, "part %s: expected knuckle, elbow, bracket or a mesh file", name.c_str());
+  if (name == "vblock") {
+    auto part = meshed(name, vblock_distance, vblock_box());
+    if (part) part->grasps = vblock_grasps();
+    return part;
+  }
+  return failure(ResultCode::kUsage, "part %s: expected knuckle, elbow, bracket, vblock or a mesh file", name.c_str());
 }
 
 Result<ScenePart> load_part(const std::string& name_or_file, double mm_per_unit) {

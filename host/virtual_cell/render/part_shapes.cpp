@@ -124,4 +124,14 @@ double bracket_distance(const Vec3& p) {
 
 Eigen::AlignedBox3d bracket_box() { return {Vec3(-56.0, -36.0, -1.0), Vec3(56.0, 36.0, 61.0)}; }
 
+double vblock_distance(const Vec3& p) {
+  const double block = box(p - Vec3(0.0, 0.0, 22.0), {60.0, 35.0, 22.0}, 1.5);
+  // The groove's walls rise at 45 degrees from a line 10 mm above the base.
+  const double groove = (std::abs(p.x() + 29.0) - (p.z() - 10.0)) * std::sqrt(0.5);
+  const double pocket = box(p - Vec3(34.0, 3.0, 34.0), {18.0, 24.0, 22.0}, 3.0);
+  return cut(cut(block, groove, 1.0), pocket, 1.0);
+}
+
+Eigen::AlignedBox3d vblock_box() { return {Vec3(-61.0, -36.0, -1.0), Vec3(61.0, 36.0, 45.0)}; }
+
 }  // namespace beltpick::virtual_cell

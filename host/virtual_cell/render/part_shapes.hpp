@@ -22,4 +22,9 @@ Eigen::AlignedBox3d elbow_box();
 double bracket_distance(const Vec3& point_mm);
 Eigen::AlignedBox3d bracket_box();
 
+// A steel block with a right-angled groove across it and a deep pocket: concave, for light that surfaces throw on each
+// other. No symmetry.
+double vblock_distance(const Vec3& point_mm);
+Eigen::AlignedBox3d vblock_box();
+
 }  // namespace beltpick::virtual_cell

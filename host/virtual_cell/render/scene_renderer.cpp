@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "base/units.hpp"
+#include "virtual_cell/render/bounced_light.hpp"
 #include "virtual_cell/render/camera_blur.hpp"
 #include "virtual_cell/render/light_map.hpp"
 #include "virtual_cell/render/pattern_light.hpp"
@@ -40,6 +41,7 @@ struct SceneRenderer::State {
   CameraBlur blur;
   SensorNoise sensor;
   LightMap map;
+  BouncedLight bounced;
   std::vector<float> signal;  // share of full scale
   std::vector<float> shifted;
   double gain = 0.0;  // signal per radiance at the nominal exposure
@@ -99,6 +101,7 @@ void SceneRenderer::State::add_light(float per_radiance, float shift_px) {
     }
     signal[edge.pixel] += per_radiance * sum;
   }
+  bounced.add(light, moved, per_radiance, signal);
 }
 
 // Moves `signal` along the image's x; what comes in at the border repeats the last column.
@@ -129,7 +132,9 @@ SceneRenderer& SceneRenderer::operator=(SceneRenderer&&) noexcept = default;
 void SceneRenderer::place(std::span<const PartInstance> instances, std::uint64_t seed) {
   State& s = *state_;
   s.scene.place(instances);
-  fill_light_map(s.rig, s.rays, s.scene, s.options, seed, s.map);
+  const Caster caster(s.rig, s.scene, s.options, seed);
+  fill_light_map(s.rig.camera, s.rays, caster, s.options.edge_samples, s.map);
+  if (s.options.interreflection > 0.0) s.bounced.build(s.rays, caster, s.map, s.options.interreflection);
   s.set_gain();
   s.noise_seed = seed * 1000003U;
 }

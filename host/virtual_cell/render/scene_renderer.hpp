@@ -33,6 +33,7 @@ struct RenderOptions {
   Background background = Background::kBelt;
   bool noise = true;                    // shot noise, read noise, flicker and sway; quantisation always
   double projector_gamma = 1.03;        // of the light over the pattern's value; 1: linear
+  double interreflection = 0.0;         // of the light that surfaces throw on each other; 1: all of its first bounce
   double beat_frames = 0.0;             // frames of a free-running projector within an exposure; 0: synchronised
   double nominal_exposure_us = 8000.0;  // at which white reaches `white_level` on the brightest percentile of the parts
   double white_level = 0.87;            // of the camera's full scale
