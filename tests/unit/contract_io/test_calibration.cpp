@@ -139,3 +139,26 @@ TEST_CASE("A cell file gives the poses it has", "[calibration]") {
   CHECK(back->T_robot_camera->translation_mm == cell->T_robot_camera->translation_mm);
   CHECK(warnings.empty());
 }
+
+TEST_CASE("A cell file that is brought up to date keeps what it is not told", "[calibration]") {
+  const TempFolder folder;
+  Cell belt_only;
+  belt_only.calibration_id = "c2";
+  belt_only.T_belt_camera.emplace();
+  REQUIRE(update_cell(folder / "new.json", belt_only));
+  Warnings warnings;
+  REQUIRE(read_cell(folder / "new.json", warnings));
+  nlohmann::json json = nlohmann::json::parse(kCellJson);
+  json["gripper"] = {{"stroke_mm", 40}};
+  const auto path = folder.file("cell.json", json.dump());
+  REQUIRE(update_cell(path, belt_only));
+  const nlohmann::json updated = nlohmann::json::parse(test::file_bytes(path));
+  CHECK(updated["calibration_id"] == "c2");
+  CHECK(updated["gripper"]["stroke_mm"] == 40);
+  CHECK(updated["robot_from_camera"] == json["robot_from_camera"]);
+  CHECK(updated["belt_from_camera"][2][2] == 1.0);
+
+  const auto broken = folder.file("broken.json", "{\"format\": \"beltpick-cell\"");
+  REQUIRE_FALSE(update_cell(broken, belt_only));
+  CHECK(test::file_bytes(broken) == "{\"format\": \"beltpick-cell\"");
+}

@@ -1,0 +1,139 @@
+// beltpick calibrate diff, belt: with right and with wrong input.
+#include <catch2/catch.hpp>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "workshop.hpp"
+
+using namespace beltpick::test;
+
+namespace {
+
+nlohmann::json json_of(const std::filesystem::path& path) { return nlohmann::json::parse(file_bytes(path)); }
+
+// The workshop's calibration with another principal point of the projector.
+std::string shifted_calibration(const TempFolder& folder, double shift_px) {
+  nlohmann::json calibration = json_of(workshop() / "scene/calibration.json");
+  calibration["projector"]["matrix"][0][2] = calibration["projector"]["matrix"][0][2].get<double>() + shift_px;
+  calibration["id"] = "shifted";
+  return folder.file("shifted.json", calibration.dump());
+}
+
+std::string scene_file(const std::string& name) { return (workshop() / ("scene/" + name)).string(); }
+
+// The bare belt, seen by a small rig.
+const TempFolder& bare_belt() {
+  static const TempFolder folder;
+  static const bool made = [] {
+    const Outcome simulated = beltpick_run(
+        "simulate --scene bare --camera 320x240 --projector 304x380 --seed 3 --out " + (folder / "bare").string());
+    INFO(simulated.err);
+    REQUIRE(simulated.exit_code == 0);
+    return true;
+  }();
+  (void)made;
+  return folder;
+}
+
+void check_refused(const std::string& arguments, int exit_code, const std::string& words) {
+  const Outcome outcome = beltpick_run(arguments);
+  INFO(arguments << ": " << outcome.err);
+  CHECK(outcome.exit_code == exit_code);
+  CHECK(outcome.error_lines() == 1);
+  CHECK(outcome.err.find(words) != std::string::npos);
+  CHECK(outcome.out.empty());
+}
+
+}  // namespace
+
+TEST_CASE("calibrate diff tells in mm what a shifted projector does", "[calibrate]") {
+  const TempFolder folder;
+  const std::string old_file = scene_file("calibration.json");
+  const std::string new_file = shifted_calibration(folder, 0.5);
+  const Outcome outcome = beltpick_run("calibrate diff " + old_file + " " + new_file + " --cell " +
+                                       scene_file("cell.json") + " --json --report " + (folder / "report").string());
+  INFO(outcome.err);
+  REQUIRE(outcome.exit_code == 0);
+  const auto answer = nlohmann::json::parse(outcome.out);
+  CHECK(answer["belt_distance_guessed"] == false);
+  CHECK(answer["belt_distance_mm"].get<double>() == Approx(700.0).margin(1.0));
+  // Half a column of 152 over 400 mm, seen under 30 degrees.
+  CHECK(answer["as_they_stand"]["belt"]["rms_mm"].get<double>() > 1.0);
+  CHECK(answer["after_best_motion"]["belt"]["rms_mm"].get<double>() <
+        0.3 * answer["as_they_stand"]["belt"]["rms_mm"].get<double>());
+  CHECK(answer["parameters"].size() == 20);
+  const std::string page = file_bytes(folder / "report/index.html");
+  CHECK(page.find("<svg") != std::string::npos);
+  CHECK(page.find("</html>") != std::string::npos);
+
+  const Outcome same = beltpick_run("calibrate diff " + old_file + " " + old_file);
+  CHECK(same.exit_code == 0);
+  CHECK(same.out.find("up to 0.000 mm at the belt") != std::string::npos);
+}
+
+TEST_CASE("calibrate diff refuses what cannot be compared in one line", "[calibrate]") {
+  const TempFolder folder;
+  const std::string old_file = scene_file("calibration.json");
+  nlohmann::json other = json_of(old_file);
+  other["camera"]["width"] = 640;
+  const std::string larger = folder.file("larger.json", other.dump());
+  nlohmann::json cell = json_of(scene_file("cell.json"));
+  cell.erase("belt_from_camera");
+  const std::string no_belt = folder.file("no_belt.json", cell.dump());
+  check_refused("calibrate diff " + old_file + " " + larger, 1, "640x120");
+  check_refused("calibrate diff " + old_file + " nowhere.json", 1, "nowhere.json");
+  check_refused("calibrate diff " + old_file, 2, "NEW");
+  check_refused("calibrate diff " + old_file + " " + old_file + " --cell " + no_belt, 1, "belt_from_camera");
+  check_refused("calibrate diff " + old_file + " " + old_file + " --distance-mm -3", 2, "--distance-mm");
+}
+
+TEST_CASE("calibrate belt finds the bare belt and keeps what else the cell file tells", "[calibrate]") {
+  const TempFolder folder;
+  const std::string bare = (bare_belt() / "bare").string();
+  const std::string options = "calibrate belt " + bare + " --calibration " + bare + "/calibration.json --out ";
+  const std::string fresh = (folder / "fresh.json").string();
+  const Outcome made = beltpick_run(options + fresh);
+  INFO(made.err);
+  REQUIRE(made.exit_code == 0);
+  CHECK(made.out.find("does not tell its direction of travel") != std::string::npos);
+  const auto truth = json_of(bare + "/cell.json");
+  const auto found = json_of(fresh);
+  CHECK(found["calibration_id"] == truth["calibration_id"]);
+  for (int c = 0; c < 3; ++c) {  // the belt's normal; the origin may lie anywhere on it
+    CHECK(found["belt_from_camera"][2][c].get<double>() ==
+          Approx(truth["belt_from_camera"][2][c].get<double>()).margin(5e-4));
+  }
+  CHECK(found["belt_from_camera"][2][3].get<double>() ==
+        Approx(truth["belt_from_camera"][2][3].get<double>()).margin(0.2));
+
+  nlohmann::json earlier = truth;
+  earlier["belt_from_camera"][0][3] = 123.0;
+  earlier["note"] = "stays";
+  const std::string kept = folder.file("kept.json", earlier.dump());
+  const Outcome updated = beltpick_run(options + kept + " --json");
+  INFO(updated.err);
+  REQUIRE(updated.exit_code == 0);
+  CHECK(nlohmann::json::parse(updated.out)["axes_kept"] == true);
+  const auto after = json_of(kept);
+  CHECK(after["note"] == "stays");
+  CHECK(after["robot_from_camera"] == truth["robot_from_camera"]);
+  CHECK(after["belt_from_camera"][0][3].get<double>() == Approx(123.0).margin(0.1));
+}
+
+TEST_CASE("calibrate belt refuses what would mislead a robot in one line", "[calibrate]") {
+  const TempFolder folder;
+  const std::string bare = (bare_belt() / "bare").string();
+  const std::string calibration = " --calibration " + bare + "/calibration.json";
+  nlohmann::json other = json_of(bare + "/cell.json");
+  other["calibration_id"] = "another";
+  const std::string cell = folder.file("cell.json", other.dump());
+  const std::string before = file_bytes(cell);
+  check_refused("calibrate belt " + bare + calibration + " --out " + cell, 1, "robot_from_camera");
+  CHECK(file_bytes(cell) == before);
+  check_refused("calibrate belt " + bare + " --out " + cell, 2, "--calibration");
+  check_refused("calibrate belt nowhere" + calibration + " --out " + (folder / "new.json").string(), 1, "nowhere");
+  check_refused("calibrate belt " + bare + " --calibration " + scene_file("calibration.json") + " --out " +
+                    (folder / "new.json").string(),
+                1, "160x120");
+  CHECK_FALSE(std::filesystem::exists(folder / "new.json"));
+}
