@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 
 #include "base/units.hpp"
 #include "contract_io/file_io.hpp"
@@ -12,6 +11,8 @@
 
 namespace beltpick::calibrate {
 namespace {
+
+using html::formatted;
 
 void add_lens(std::vector<ParameterPair>& rows, const std::string& which, const Lens& a, const Lens& b) {
   rows.push_back({which + " fx px", a.fx_px, b.fx_px});
@@ -37,12 +38,6 @@ Vec3 belt_middle_mm(const Comparison& comparison) {
     ++count;
   }
   return count > 0 ? Vec3(sum / count) : sum;
-}
-
-std::string formatted(const char* format, double a, double b = 0.0, double c = 0.0) {
-  std::array<char, 400> text{};
-  std::snprintf(text.data(), text.size(), format, a, b, c);
-  return text.data();
 }
 
 // One coordinate of new - old at the belt as a map over the camera's image, after `motion`.

@@ -1,7 +1,8 @@
 #include "html/page.hpp"
 
-#include <array>
+#include <algorithm>
 #include <cmath>
+#include <cstdarg>
 #include <cstdio>
 
 namespace beltpick::html {
@@ -35,6 +36,17 @@ const char* class_of(Tone tone) {
 
 }  // namespace
 
+std::string formatted(const char* format, ...) {
+  std::va_list arguments, again;
+  va_start(arguments, format);
+  va_copy(again, arguments);
+  std::string text(static_cast<std::size_t>(std::max(0, std::vsnprintf(nullptr, 0, format, again))), ' ');
+  va_end(again);
+  std::vsnprintf(text.data(), text.size() + 1, format, arguments);
+  va_end(arguments);
+  return text;
+}
+
 std::string escaped(std::string_view text) {
   std::string result;
   for (const char c : text) {
@@ -67,9 +79,7 @@ Cell raw(std::string html) { return {"<td>" + std::move(html) + "</td>"}; }
 
 Cell number(double value, int decimals) {
   if (!std::isfinite(value)) return {"<td class='n'>-</td>"};
-  std::array<char, 60> figures{};
-  std::snprintf(figures.data(), figures.size(), "%.*f", decimals, value);
-  return {"<td class='n'>" + std::string(figures.data()) + "</td>"};
+  return {formatted("<td class='n'>%.*f</td>", decimals, value)};
 }
 
 std::string table(const std::vector<std::string>& heading, const std::vector<std::vector<Cell>>& rows) {

@@ -7,6 +7,9 @@
 
 namespace beltpick::html {
 
+// printf into a string.
+[[gnu::format(printf, 1, 2)]] std::string formatted(const char* format, ...);
+
 // `text` with <, >, & and quotes written so that a browser shows them.
 std::string escaped(std::string_view text);
 

@@ -2,8 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdarg>
-#include <cstdio>
 
 #include "html/page.hpp"
 
@@ -12,21 +10,7 @@ namespace {
 
 constexpr double kLeft = 62, kRight = 14, kTop = 28, kBottom = 44, kScaleWidth = 74;
 
-std::string formatted(const char* format, std::va_list arguments) {
-  std::array<char, 600> text{};
-  std::vsnprintf(text.data(), text.size(), format, arguments);
-  return text.data();
-}
-
-[[gnu::format(printf, 1, 2)]] std::string format(const char* format, ...) {
-  std::va_list arguments;
-  va_start(arguments, format);
-  std::string text = formatted(format, arguments);
-  va_end(arguments);
-  return text;
-}
-
-std::string hex(Colour colour) { return format("#%02x%02x%02x", colour[0], colour[1], colour[2]); }
+std::string hex(Colour colour) { return formatted("#%02x%02x%02x", colour[0], colour[1], colour[2]); }
 
 template <std::size_t N>
 Colour between(const std::array<Colour, N>& stops, double share) {
@@ -113,13 +97,6 @@ double Plot::x_px(double x) const {
 
 double Plot::y_px(double y) const { return kTop + plot_height_px_ * (y_.range.to - y) / (y_.range.to - y_.range.from); }
 
-void Plot::add(const char* format, ...) {
-  std::va_list arguments;
-  va_start(arguments, format);
-  body_ += formatted(format, arguments);
-  va_end(arguments);
-}
-
 void Plot::close(const char* element, std::string_view tip) {
   if (tip.empty())
     body_ += "/>\n";
@@ -128,46 +105,48 @@ void Plot::close(const char* element, std::string_view tip) {
 }
 
 void Plot::dot(Point at, double radius_px, Colour colour, std::string_view tip) {
-  add("<circle cx='%.1f' cy='%.1f' r='%.1f' fill='%s'", x_px(at.x), y_px(at.y), radius_px, hex(colour).c_str());
+  body_ += formatted("<circle cx='%.1f' cy='%.1f' r='%.1f' fill='%s'", x_px(at.x), y_px(at.y), radius_px,
+                     hex(colour).c_str());
   close("circle", tip);
 }
 
 void Plot::ring(Point at, double radius_px, Colour colour, std::string_view tip) {
-  add("<circle cx='%.1f' cy='%.1f' r='%.1f' fill='none' stroke='%s'", x_px(at.x), y_px(at.y), radius_px,
-      hex(colour).c_str());
+  body_ += formatted("<circle cx='%.1f' cy='%.1f' r='%.1f' fill='none' stroke='%s'", x_px(at.x), y_px(at.y), radius_px,
+                     hex(colour).c_str());
   close("circle", tip);
 }
 
 void Plot::cell(Point low, Point high, Colour colour, std::string_view tip) {
   const double left = std::min(x_px(low.x), x_px(high.x)), top = std::min(y_px(low.y), y_px(high.y));
   // A trifle larger than the cell, so that no hairlines shine through between neighbours.
-  add("<rect x='%.2f' y='%.2f' width='%.2f' height='%.2f' shape-rendering='crispEdges' fill='%s'", left, top,
-      std::abs(x_px(high.x) - x_px(low.x)) + 0.3, std::abs(y_px(high.y) - y_px(low.y)) + 0.3, hex(colour).c_str());
+  body_ += formatted("<rect x='%.2f' y='%.2f' width='%.2f' height='%.2f' shape-rendering='crispEdges' fill='%s'", left,
+                     top, std::abs(x_px(high.x) - x_px(low.x)) + 0.3, std::abs(y_px(high.y) - y_px(low.y)) + 0.3,
+                     hex(colour).c_str());
   close("rect", tip);
 }
 
 void Plot::arrow(Point from, Point to, Colour colour) {
   const double x0 = x_px(from.x), y0 = y_px(from.y), x1 = x_px(to.x), y1 = y_px(to.y);
   const double length = std::hypot(x1 - x0, y1 - y0);
-  add("<path d='M%.1f %.1fL%.1f %.1f", x0, y0, x1, y1);
+  body_ += formatted("<path d='M%.1f %.1fL%.1f %.1f", x0, y0, x1, y1);
   if (length > 0.5) {
     const double head = std::min(3.5, 0.5 * length);
     const double dx = head * (x1 - x0) / length, dy = head * (y1 - y0) / length;
-    add("M%.1f %.1fL%.1f %.1fL%.1f %.1f", x1 - dx - 0.6 * dy, y1 - dy + 0.6 * dx, x1, y1, x1 - dx + 0.6 * dy,
-        y1 - dy - 0.6 * dx);
+    body_ += formatted("M%.1f %.1fL%.1f %.1fL%.1f %.1f", x1 - dx - 0.6 * dy, y1 - dy + 0.6 * dx, x1, y1,
+                       x1 - dx + 0.6 * dy, y1 - dy - 0.6 * dx);
   }
-  add("' fill='none' stroke='%s' stroke-width='1'/>\n", hex(colour).c_str());
+  body_ += formatted("' fill='none' stroke='%s' stroke-width='1'/>\n", hex(colour).c_str());
 }
 
 void Plot::line(const std::vector<Point>& points, Colour colour, double width_px, bool dashed) {
-  add("<polyline points='");
-  for (const Point& point : points) add("%.1f,%.1f ", x_px(point.x), y_px(point.y));
-  add("' fill='none' stroke='%s' stroke-width='%.1f'%s/>\n", hex(colour).c_str(), width_px,
-      dashed ? " stroke-dasharray='4 3'" : "");
+  body_ += formatted("<polyline points='");
+  for (const Point& point : points) body_ += formatted("%.1f,%.1f ", x_px(point.x), y_px(point.y));
+  body_ += formatted("' fill='none' stroke='%s' stroke-width='%.1f'%s/>\n", hex(colour).c_str(), width_px,
+                     dashed ? " stroke-dasharray='4 3'" : "");
 }
 
 void Plot::words(Point at, std::string_view text, Colour colour) {
-  add("<text x='%.1f' y='%.1f' font-size='11' fill='%s'>", x_px(at.x), y_px(at.y), hex(colour).c_str());
+  body_ += formatted("<text x='%.1f' y='%.1f' font-size='11' fill='%s'>", x_px(at.x), y_px(at.y), hex(colour).c_str());
   body_ += escaped(text) + "</text>\n";
 }
 
@@ -179,18 +158,18 @@ void Plot::scale(std::string_view label, Range range, bool diverging) {
   for (int i = 0; i < kSteps; ++i) {
     const double share = (i + 0.5) / kSteps;
     const Colour colour = diverging ? diverging_colour(2.0 * share - 1.0) : sequential_colour(share);
-    scale_ += format("<rect x='%.1f' y='%.2f' width='12' height='%.2f' fill='%s'/>\n", left,
-                     kTop + plot_height_px_ - (i + 1) * step_px, step_px + 0.3, hex(colour).c_str());
+    scale_ += formatted("<rect x='%.1f' y='%.2f' width='12' height='%.2f' fill='%s'/>\n", left,
+                        kTop + plot_height_px_ - (i + 1) * step_px, step_px + 0.3, hex(colour).c_str());
   }
   for (const double value : ticks(range, 5)) {
     const double y = kTop + plot_height_px_ * (range.to - value) / (range.to - range.from);
-    scale_ += format("<text x='%.1f' y='%.1f' font-size='10'>%.3g</text>\n", left + 16, y + 3.5, value);
+    scale_ += formatted("<text x='%.1f' y='%.1f' font-size='10'>%.3g</text>\n", left + 16, y + 3.5, value);
   }
-  scale_ += format("<text x='%.1f' y='%.1f' font-size='10'>", left - 8, kTop - 8) + escaped(label) + "</text>\n";
+  scale_ += formatted("<text x='%.1f' y='%.1f' font-size='10'>", left - 8, kTop - 8) + escaped(label) + "</text>\n";
 }
 
 std::string Plot::axes() const {
-  std::string text = format(
+  std::string text = formatted(
       "<rect x='%.1f' y='%.1f' width='%.1f' height='%.1f' fill='none' stroke='#666'/>\n"
       "<text x='%.1f' y='17' font-size='13' font-weight='bold'>",
       kLeft, kTop, plot_width_px_, plot_height_px_, kLeft);
@@ -198,29 +177,29 @@ std::string Plot::axes() const {
   const double bottom = kTop + plot_height_px_;
   for (const double value : ticks(x_.range, plot_width_px_ / 75)) {
     const double x = x_px(value);
-    text += format(
+    text += formatted(
         "<path d='M%.1f %.1fv4' stroke='#666'/><text x='%.1f' y='%.1f' font-size='10' "
         "text-anchor='middle'>%.6g</text>\n",
         x, bottom, x, bottom + 15, value);
   }
   for (const double value : ticks(y_.range, plot_height_px_ / 50)) {
     const double y = y_px(value);
-    text += format(
+    text += formatted(
         "<path d='M%.1f %.1fh-4' stroke='#666'/><text x='%.1f' y='%.1f' font-size='10' text-anchor='end'>%.6g</text>\n",
         kLeft, y, kLeft - 6, y + 3.5, value);
   }
-  text +=
-      format("<text x='%.1f' y='%.1f' font-size='11' text-anchor='middle'>", kLeft + plot_width_px_ / 2, bottom + 33);
+  text += formatted("<text x='%.1f' y='%.1f' font-size='11' text-anchor='middle'>", kLeft + plot_width_px_ / 2,
+                    bottom + 33);
   text += escaped(x_.label) + "</text>\n";
-  text += format("<text transform='translate(14 %.1f) rotate(-90)' font-size='11' text-anchor='middle'>",
-                 kTop + plot_height_px_ / 2);
+  text += formatted("<text transform='translate(14 %.1f) rotate(-90)' font-size='11' text-anchor='middle'>",
+                    kTop + plot_height_px_ / 2);
   return text + escaped(y_.label) + "</text>\n";
 }
 
 std::string Plot::svg() const {
   const double width = kLeft + plot_width_px_ + kRight + (scale_.empty() ? 0.0 : kScaleWidth);
   const double height = kTop + plot_height_px_ + kBottom;
-  return format(
+  return formatted(
              "<svg xmlns='http://www.w3.org/2000/svg' width='%.0f' height='%.0f' viewBox='0 0 %.0f %.0f' "
              "font-family='sans-serif' fill='#222'>\n<rect width='100%%' height='100%%' fill='white'/>\n",
              width, height, width, height) +

@@ -55,7 +55,6 @@ class Plot {
  private:
   [[nodiscard]] double x_px(double x) const;
   [[nodiscard]] double y_px(double y) const;
-  void add(const char* format, ...) __attribute__((format(printf, 2, 3)));
   void close(const char* element, std::string_view tip);
   [[nodiscard]] std::string axes() const;
 

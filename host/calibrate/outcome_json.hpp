@@ -1,0 +1,13 @@
+// A calibration's outcome for machines.
+#pragma once
+
+#include <string>
+
+#include "calibrate/outcome.hpp"
+
+namespace beltpick::calibrate {
+
+// The text of report.json: all of `outcome` but the geometry itself, which stands in calibration.json.
+std::string outcome_json(const Outcome& outcome);
+
+}  // namespace beltpick::calibrate
