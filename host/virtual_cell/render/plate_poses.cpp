@@ -15,6 +15,7 @@ namespace {
 using PlatePose = Pose<frame::Belt, frame::Part>;
 
 constexpr double kHighestMm = 100.0;  // of the plate's middle above the belt
+constexpr int kFlatEvery = 4;         // every fourth plate lies level
 constexpr double kGolden = 0.6180339887498949;
 constexpr double kPlasticX = 0.7548776662466927, kPlasticY = 0.5698402909980532;  // a sequence that fills a square
 
@@ -40,8 +41,11 @@ Wish wish_of(PlatePoses how, int k, int count, Random& random, double phase) {
             .height_mm = 50.0,
             .turn_low = -0.05,
             .turn_high = 0.05};
-  } else if (how != PlatePoses::kFlat && k % 5 != 0) {
-    // Four of five captures are tilted, their directions spread over the circle.
+  } else if (how != PlatePoses::kFlat && k % kFlatEvery == 0) {
+    // Level ones reach what tilted ones cannot: the view just above the belt.
+    const int levels = std::max((count - 1) / kFlatEvery, 1);
+    wish.height_mm = kHighestMm * (k / kFlatEvery) / levels;
+  } else if (how != PlatePoses::kFlat) {
     wish.tilt_rad = rad_from_deg(random.uniform(15.0, 33.0));
     wish.towards_rad = 2.0 * kPi * fraction(phase + static_cast<double>(k) / count * 3.0);
   }
