@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "contract/result_codes.hpp"
+#include "decode/ripple.hpp"
 
 namespace beltpick::decode {
 namespace {
@@ -43,6 +44,8 @@ Decoder::Decoder(Arena& arena, const DecoderLimits& limits) : limits_(limits) {
   context_.store = PlaneStore(arena.take_scratch<std::byte>(Phase::kMeasure, "decode state",
                                                             PlaneStore::bytes_for(pixels, limits.state_bytes)));
   scratch_ = RowScratch(arena, limits.cols);
+  // A channel has three frames at least.
+  context_.ripples = arena.take<Ripple>("ripples", static_cast<std::size_t>(limits.frames / 3 + 1));
   check_ = FrameCheck(arena, limits.rows, limits.cols, limits.frames);
   if (limits.codes_columns) column_px_ = arena.take_scratch<float>(Phase::kMeasure, "code image", pixels);
   if (limits.codes_rows) row_px_ = arena.take_scratch<float>(Phase::kMeasure, "code image", pixels);
@@ -77,6 +80,7 @@ Result<void> Decoder::begin(const FoldPlan& plan, int rows, int cols, int pixel_
                    limits_.state_bytes);
   }
   context_.plan = &plan;
+  context_.rows = rows;
   context_.cols = cols;
   context_.full_scale = full_scale;
   rows_ = rows;
@@ -137,7 +141,18 @@ Result<CodeImage> Decoder::begin_finish() {
     return failure(ResultCode::kFrameMissing, "the capture ended after %d of %d frames", next_frame_, frames);
   }
   if (auto judged = check_.judge(*context_.plan, context_.full_scale); !judged) return std::unexpected(judged.error());
+  measure_ripples();
   return output();
+}
+
+void Decoder::measure_ripples() {
+  const FoldPlan& plan = *context_.plan;
+  for (std::size_t c = 0; c < plan.channels.size(); ++c) {
+    Ripple& ripple = context_.ripples[c] = {};
+    if (!plan.correct_ripple) continue;
+    ripple = pixel_bytes_ == 1 ? measure_ripple<std::uint8_t>(context_, plan.channels[c], rows_)
+                               : measure_ripple<std::uint16_t>(context_, plan.channels[c], rows_);
+  }
 }
 
 void Decoder::finish_rows(int first, int end) {

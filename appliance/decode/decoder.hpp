@@ -58,6 +58,7 @@ class Decoder {
   template <class Pixel>
   Result<void> fold_any(int index, ImageView<const Pixel> image);
   void write_row(int row);
+  void measure_ripples();
   [[nodiscard]] CodeImage output() const;
 
   DecoderLimits limits_;

@@ -4,6 +4,7 @@
 #include "decode/finish_kernels.hpp"
 #include "decode/gray_rows.hpp"
 #include "decode/order_search.hpp"
+#include "decode/ripple.hpp"
 #include "decode/row_decoder.hpp"
 
 namespace beltpick::decode {
@@ -65,6 +66,8 @@ void gather_fringe(const RowContext& context, int channel, std::span<float> turn
   fringe_row(context.store.row<const Sum>(fringes.cosine_plane, row),
              context.store.row<const Sum>(fringes.sine_plane, row), context.cols,
              static_cast<float>(levels_per_count) * context.to_level8(), turn.data(), amplitude8.data());
+  const Ripple& ripple = context.ripples[static_cast<std::size_t>(channel)];
+  if (ripple.orders > 0) correct_ripple_row(ripple, row, context.rows, context.cols, turn.data());
 }
 
 CellRule cell_rule(const GrayCode& code, const AxisPlan& axis, double period_px) {

@@ -18,13 +18,30 @@ constexpr double kMaxNoiseGain = 3.0;
 
 double shift_rad(const FrameSpec& frame) { return frame.offset_rad + 2.0 * kPi * frame.step / frame.steps; }
 
+// Whether the shifts stand a full turn's equal parts from each other, in any order.
+bool equally_spaced(std::vector<double> shifts_rad) {
+  const double step_rad = 2.0 * kPi / static_cast<double>(shifts_rad.size());
+  const double first_rad = shifts_rad.front();
+  for (double& shift : shifts_rad)
+    shift -= first_rad + 2.0 * kPi * std::floor((shift - first_rad) / (2.0 * kPi) + 1e-9);
+  std::sort(shifts_rad.begin(), shifts_rad.end());
+  for (std::size_t n = 0; n < shifts_rad.size(); ++n) {
+    if (std::abs(shifts_rad[n] - static_cast<double>(n) * step_rad) > 1e-6) return false;
+  }
+  return true;
+}
+
 Result<void> solve_weights(const Sequence& sequence, Axis axis, PhaseFit& fit) {
   // I_n = a + C cos d_n - S sin d_n with C = b cos phi and S = b sin phi.
   Eigen::MatrixX3d model(static_cast<Eigen::Index>(fit.frames.size()), 3);
+  std::vector<double> shifts_rad;
   for (Eigen::Index n = 0; n < model.rows(); ++n) {
     const double d = shift_rad(sequence.frames[static_cast<std::size_t>(fit.frames[static_cast<std::size_t>(n)])]);
     model.row(n) << 1.0, std::cos(d), -std::sin(d);
+    shifts_rad.push_back(d);
   }
+  fit.offset_rad = shifts_rad.front();
+  fit.equal_steps = equally_spaced(shifts_rad) ? static_cast<int>(shifts_rad.size()) : 0;
   const Eigen::Matrix3d normal = model.transpose() * model;
   const Eigen::FullPivLU<Eigen::Matrix3d> solver(normal);
   if (solver.isInvertible()) {

@@ -38,6 +38,9 @@ struct PhaseChannel {
   double noise_gain = 0.0;      // sigma of cosine and sine over sigma of one grey level; sqrt(2 / N) for equal shifts
   double exposure_us = 0.0;
   int last_frame = 0;
+  int equal_steps = 0;               // shifts of a full turn in equal steps; 0 where they are otherwise
+  double offset_rad = 0.0;           // of one of them
+  std::uint8_t saturation_bits = 0;  // of the flags plane: its own
 };
 
 // What tells a pixel's brightest and darkest level: the white and black frames, or the running extremes of a Gray code
@@ -124,6 +127,7 @@ struct FoldPlan {
   std::vector<ExposurePlan> exposures;
   std::vector<FrameWork> frames;  // one for each frame of the sequence
   int flags_plane = kNone;
+  bool correct_ripple = true;  // of the projector's gamma, where it is found in the images
 
   [[nodiscard]] bool codes(Axis axis) const {
     return exposures.front().axes[static_cast<std::size_t>(axis)].method != Method::kNotCoded;

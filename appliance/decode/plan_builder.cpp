@@ -136,6 +136,8 @@ int PlanBuilder::add_channel(const PhaseFit& fit) {
   channel.noise_gain = fit.noise_gain;
   channel.exposure_us = spec(fit.frames.front()).exposure_us;
   channel.last_frame = fit.frames.back();
+  channel.equal_steps = fit.equal_steps;
+  channel.offset_rad = fit.offset_rad;
   // The sums of positive and of negative weights are equal: a partial sum cannot exceed either at the brightest level.
   double cosine_bound = 0.0;
   double sine_bound = 0.0;
@@ -155,6 +157,7 @@ int PlanBuilder::add_channel(const PhaseFit& fit) {
     accumulate.first = accumulate.first_mean = n == 0;
     const int rank = ranks_.rank[static_cast<std::size_t>(fit.frames[n])];
     accumulate.saturation_bit = static_cast<std::uint8_t>(rank < 0 ? 0xFF : 1U << static_cast<unsigned>(rank));
+    channel.saturation_bits = accumulate.saturation_bit;
   }
   plan_.channels.push_back(channel);
   return static_cast<int>(plan_.channels.size()) - 1;

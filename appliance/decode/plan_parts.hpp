@@ -34,6 +34,8 @@ struct PhaseFit {
   std::vector<int> frames{};
   std::vector<double> cosine_weight{}, sine_weight{};
   double noise_gain = 0.0;
+  int equal_steps = 0;  // as in PhaseChannel
+  double offset_rad = 0.0;
 };
 
 // The periods of one axis in one exposure, the finest first. Error: kSequenceUndecodable where the phase shifts of a

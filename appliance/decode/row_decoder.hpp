@@ -10,6 +10,7 @@
 #include "base/stages.hpp"
 #include "decode/plan.hpp"
 #include "decode/plane_store.hpp"
+#include "decode/ripple_kernels.hpp"
 
 namespace beltpick::decode {
 
@@ -34,12 +35,26 @@ struct RowScratch {
   std::array<AxisRow, 2> best;  // by Axis: the best exposure of each pixel
 };
 
+inline constexpr std::size_t kRippleTerms = 6;
+
+// The correction of one channel's phases: for each order m an amplitude over the image, in turns, as
+// a0 + a1 x + a2 y + a3 x^2 + a4 x y + a5 y^2 with x and y from -1 to 1, between 0 and its limit. See ripple.hpp.
+struct Ripple {
+  int steps = 0;
+  int orders = 0;  // 0: none to correct
+  float offset_turns = 0.0F;
+  std::array<std::array<float, kRippleTerms>, kRippleOrders> amplitude_turns{};
+  std::array<float, kRippleOrders> limit_turns{};
+};
+
 // What a capture's rows have in common.
 struct RowContext {
   const FoldPlan* plan = nullptr;
   PlaneStore store;
+  int rows = 0;
   int cols = 0;
   int full_scale = 255;
+  std::span<Ripple> ripples;  // by channel; filled when the last frame is there
 
   [[nodiscard]] float to_level8() const { return 255.0F / static_cast<float>(full_scale); }
 };

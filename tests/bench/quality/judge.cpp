@@ -139,4 +139,64 @@ Tally judge(const VirtualCapture& capture, const Measurement& measured, const st
   return tally;
 }
 
+namespace {
+
+// Errors of the pixels of one tile by their true phase.
+class PhaseBins {
+ public:
+  void add(double phase, double error) {
+    const auto bin = std::min(static_cast<std::size_t>(phase * kBins), std::size_t{kBins - 1});
+    sum_[bin] += error;
+    ++count_[bin];
+  }
+  // Sum over the bins of their squared mean error less that of the tile; noise in the means not included.
+  void gather(double& squares, int& bins) const {
+    double total = 0.0;
+    int filled = 0;
+    for (std::size_t b = 0; b < kBins; ++b) {
+      if (count_[b] < kLeast) continue;
+      total += sum_[b] / count_[b];
+      ++filled;
+    }
+    for (std::size_t b = 0; b < kBins; ++b) {
+      if (count_[b] < kLeast || filled < kBins) continue;
+      const double off = sum_[b] / count_[b] - total / filled;
+      squares += off * off;
+      ++bins;
+    }
+  }
+
+ private:
+  static constexpr int kBins = 24;
+  static constexpr int kLeast = 100;
+  std::array<double, kBins> sum_{};
+  std::array<int, kBins> count_{};
+};
+
+}  // namespace
+
+double ripple_rms_px(const VirtualCapture& capture, const Measurement& measured, const std::vector<PixelTruth>& truth,
+                     double period_px) {
+  constexpr int kTilePx = 128;
+  const auto columns = capture.truth().true_column_px();
+  double squares = 0.0;
+  int bins = 0;
+  for (int top = 0; top < columns.rows; top += kTilePx) {
+    for (int left = 0; left < columns.cols; left += kTilePx) {
+      PhaseBins tile;
+      for (int r = top; r < std::min(top + kTilePx, columns.rows); ++r) {
+        for (int c = left; c < std::min(left + kTilePx, columns.cols); ++c) {
+          const PixelTruth& pixel = truth[static_cast<std::size_t>(r * columns.cols + c)];
+          const bool valid = measured.range.valid(r, c) && !pixel.depth_band && !pixel.shadow_band;
+          if (!valid || pixel.incidence_deg > 70.0F) continue;
+          const double turns = columns(r, c) / period_px;
+          tile.add(turns - std::floor(turns), measured.code.column_px(r, c) - columns(r, c));
+        }
+      }
+      tile.gather(squares, bins);
+    }
+  }
+  return bins == 0 ? 0.0 : std::sqrt(squares / bins);
+}
+
 }  // namespace beltpick::bench

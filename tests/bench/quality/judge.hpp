@@ -31,10 +31,17 @@ struct Tally {
   std::int64_t shadow_points = 0, shadow_off = 0;      // within the shadow band only, off by more than 1 mm
   std::array<std::int64_t, 8> missing{};               // of `eligible`, by PixelState; kValid: dropped by range
 
+  double ripple_px = 0.0, uncorrected_ripple_px = 0.0;  // not added up
+
   void add(const Tally& other);
 };
 
 Tally judge(const VirtualCapture& capture, const Measurement& measured, const std::vector<PixelTruth>& truth,
             double period_px);
+
+// The part of the error that repeats with the fringe: RMS, in projector pixels, of the mean error by true phase, over
+// tiles of the image; apart from both bands. Noise averages out.
+double ripple_rms_px(const VirtualCapture& capture, const Measurement& measured, const std::vector<PixelTruth>& truth,
+                     double period_px);
 
 }  // namespace beltpick::bench

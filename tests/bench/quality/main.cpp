@@ -2,10 +2,11 @@
 //   bench_quality [name=value ...]
 // seed=1 count=2                   the first seed, and how many scenes of each kind
 // scenes=plane,bare,parts          matt plane, bare belt, cast-metal parts on the belt
-// sequence=fast,standard,robust    or the path of a sequence.json
+// sequence=fast,standard,robust    or 4-step (standard with so many steps), or the path of a sequence.json
 // parts=knuckle,elbow,bracket      or mesh files
 // exposures_us=2000,8000           an HDR sequence of these exposures
 // gamma=1.03                       of the projector
+// noise=1                          0: no noise, flicker or sway
 // Prints a table, and one line of JSON a row of it.
 #include <cstdio>
 #include <cstdlib>
@@ -35,7 +36,8 @@ Options read_options(int argc, char** argv) {
                   {"sequence", "fast,standard,robust"},
                   {"parts", "knuckle,elbow,bracket"},
                   {"exposures_us", ""},
-                  {"gamma", "1.03"}};
+                  {"gamma", "1.03"},
+                  {"noise", "1"}};
   for (int i = 1; i < argc; ++i) {
     const std::string argument = argv[i];
     const std::size_t at = argument.find('=');
@@ -47,10 +49,32 @@ Options read_options(int argc, char** argv) {
   return options;
 }
 
-Sequence sequence_of(const std::string& name, const ProjectorGrid& grid, const std::string& exposures_us) {
+// `standard` with another number of steps.
+Sequence with_steps(const Sequence& standard, int steps) {
+  Sequence sequence{standard.projector, {}, {}};
+  for (FrameSpec frame : standard.frames) {
+    if (frame.kind != FrameKind::kPhase) {
+      sequence.frames.push_back(frame);
+    } else if (frame.step == 0) {
+      frame.steps = steps;
+      for (frame.step = 0; frame.step < steps; ++frame.step) sequence.frames.push_back(frame);
+    }
+  }
+  return sequence;
+}
+
+Result<Sequence> find_sequence(const std::string& name, const ProjectorGrid& grid) {
+  if (const auto named = find_sequence_name(name)) return make_sequence(*named, grid, SequenceAxes::kColumn);
+  if (name.ends_with("-step")) {
+    auto standard = make_sequence(SequenceName::kStandard, grid, SequenceAxes::kColumn);
+    return standard ? Result<Sequence>(with_steps(*standard, std::atoi(name.c_str()))) : standard;
+  }
   contract_io::Warnings warnings;
-  const auto named = find_sequence_name(name);
-  auto made = named ? make_sequence(*named, grid, SequenceAxes::kColumn) : contract_io::read_sequence(name, warnings);
+  return contract_io::read_sequence(name, warnings);
+}
+
+Sequence sequence_of(const std::string& name, const ProjectorGrid& grid, const std::string& exposures_us) {
+  auto made = find_sequence(name, grid);
   if (!made) throw std::runtime_error(made.error().detail);
   const auto exposures = list_of(exposures_us);
   if (exposures.empty()) return *made;
@@ -89,6 +113,7 @@ void print(const std::string& scenes, const std::string& sequence, const Tally& 
   std::printf("  apart from depth edges: %.3f %% of %lld lit pixels valid; %lld of %lld points off by a period\n",
               percent(t.points, t.lit), static_cast<long long>(t.lit), static_cast<long long>(t.period_errors),
               static_cast<long long>(t.points));
+  std::printf("  ripple: %.5f px RMS, %.5f px uncorrected\n", t.ripple_px, t.uncorrected_ripple_px);
   if (t.part_points > 0) {
     std::printf("  on parts, apart from edges: %lld of %lld points off by over 0.5 mm\n",
                 static_cast<long long>(t.part_off_half_mm), static_cast<long long>(t.part_points));
@@ -108,11 +133,12 @@ void print(const std::string& scenes, const std::string& sequence, const Tally& 
   std::printf(
       "{\"scenes\": \"%s\", \"sequence\": \"%s\", \"points\": %lld, \"period_errors\": %lld, \"part_points\": %lld, "
       "\"part_off_half_mm\": %lld, \"band_points\": %lld, \"band_off_share\": %.5f, \"band_kept_share\": %.4f, "
-      "\"completeness\": %.5f}\n",
+      "\"completeness\": %.5f, \"ripple_px\": %.6f, \"uncorrected_ripple_px\": %.6f}\n",
       scenes.c_str(), sequence.c_str(), static_cast<long long>(t.points), static_cast<long long>(t.period_errors),
       static_cast<long long>(t.part_points), static_cast<long long>(t.part_off_half_mm),
       static_cast<long long>(t.band_points), percent(t.band_off, t.band_points) / 100.0,
-      percent(t.band_points, t.band_lit) / 100.0, percent(t.complete, t.eligible) / 100.0);
+      percent(t.band_points, t.band_lit) / 100.0, percent(t.complete, t.eligible) / 100.0, t.ripple_px,
+      t.uncorrected_ripple_px);
   std::fflush(stdout);
 }
 
@@ -122,13 +148,20 @@ void run(const Options& options) {
     choice.kind = kind_of(scenes);
     choice.parts = list_of(options.at("parts"));
     choice.render.projector_gamma = std::atof(options.at("gamma").c_str());
+    choice.render.noise = options.at("noise") != "0";
     VirtualCapture capture(choice);
     for (const std::string& name : list_of(options.at("sequence"))) {
       const Sequence sequence = sequence_of(name, capture.grid(), options.at("exposures_us"));
       Tally total;
-      for (int k = 0; k < std::atoi(options.at("count").c_str()); ++k) {
+      const int count = std::atoi(options.at("count").c_str());
+      for (int k = 0; k < count; ++k) {
         capture.expose(sequence, std::strtoull(options.at("seed").c_str(), nullptr, 10) + static_cast<unsigned>(k));
-        total.add(judge(capture, capture.measure(), truth_of(capture), finest_period_px(sequence)));
+        const std::vector<PixelTruth> truth = truth_of(capture);
+        const double period_px = finest_period_px(sequence);
+        total.uncorrected_ripple_px += ripple_rms_px(capture, capture.measure(false), truth, period_px) / count;
+        const Measurement measured = capture.measure();
+        total.ripple_px += ripple_rms_px(capture, measured, truth, period_px) / count;
+        total.add(judge(capture, measured, truth, period_px));
       }
       print(scenes, name, total);
     }

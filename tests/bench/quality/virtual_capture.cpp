@@ -77,7 +77,8 @@ void VirtualCapture::expose(const Sequence& sequence, std::uint64_t seed) {
   need(stages_->triangulator.load(calibration_));
 }
 
-Measurement VirtualCapture::measure() {
+Measurement VirtualCapture::measure(bool correct_ripple) {
+  plan_.correct_ripple = correct_ripple;
   const decode::DecoderLimits& limits = stages_->limits;
   need(stages_->decoder.begin(plan_, limits.rows, limits.cols, 1, 255));
   for (std::size_t i = 0; i < frames_.size(); ++i) {

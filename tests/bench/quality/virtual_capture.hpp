@@ -40,7 +40,7 @@ class VirtualCapture {
   // Lays the scene of `seed` and renders all frames of `sequence`.
   void expose(const Sequence& sequence, std::uint64_t seed);
   // Decodes and triangulates the frames; the views stay good until the next call.
-  Measurement measure();
+  Measurement measure(bool correct_ripple = true);
 
   [[nodiscard]] const virtual_cell::SceneRenderer& truth() const { return *renderer_; }
   [[nodiscard]] const virtual_cell::Rig& rig() const { return rig_; }
