@@ -71,12 +71,14 @@ struct SceneRenderer::State {
   void shift_scene(float shift_px);
 };
 
-// The exposure that brings the brightest percentile of the parts (or of the plane) to the wanted level.
+// The exposure that brings the brightest percentile of the parts (or of the plane) to the wanted level in a white
+// frame, which the light around them is part of.
 void SceneRenderer::State::set_gain() {
+  const auto around = static_cast<float>(options.ambient_share) + kScatteredShare;
   std::vector<float> bright;
   for (std::size_t i = 0; i < map.size(); ++i) {
     const bool counts = options.background == Background::kPlane || map.instance[i] != 0;
-    if (counts && map.direct[i] > 0.0F) bright.push_back(map.direct[i]);
+    if (counts && map.direct[i] > 0.0F) bright.push_back(map.direct[i] + around * map.ambient[i]);
   }
   if (bright.size() < 1000) return;
   const auto percentile = bright.begin() + static_cast<std::ptrdiff_t>(bright.size() * 99 / 100);

@@ -117,7 +117,7 @@ TEST_CASE("a phase frame shows the pattern at each pixel's projector coordinate"
       const std::size_t i = static_cast<std::size_t>(row) * 320 + col;
       const double coordinate = std::atan2(sine[i], cosine[i]) / kTwoPi * frame.period_px;
       CHECK(std::remainder(coordinate - renderer.true_column_px()(row, col), frame.period_px) ==
-            Approx(0.0).margin(0.06));
+            Approx(0.0).margin(0.09));  // 8 bits of a dark corner
     }
   }
 }
@@ -176,8 +176,8 @@ TEST_CASE("white reaches its level on the brightest percentile of the parts") {
   }
   std::sort(levels.begin(), levels.end());
   const double level = levels[levels.size() * 99 / 100] / 255.0;
-  CHECK(level > 0.82);
-  CHECK(level < 0.94);
+  CHECK(level > 0.85);
+  CHECK(level < 0.90);
 }
 
 TEST_CASE("the same seed gives the same bits, another seed others") {
