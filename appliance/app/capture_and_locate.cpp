@@ -95,6 +95,7 @@ Result<Located> CaptureAndLocate::locate(std::uint16_t number) {
     to_.recorder.keep_failure(number, range.error().code);
     return std::unexpected(range.error());
   }
+  to_.book.set_pixels(count_pixels(measure_.code().state));
   const Stopwatch segment_watch;
   const segment::Segmented objects = segmenter_.segment(*range);
   const double segment_ms = segment_watch.elapsed_ms();

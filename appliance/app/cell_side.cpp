@@ -25,6 +25,7 @@ service::CellStatus ApplianceCellSide::status() const {
   const std::int64_t silent_us = monotonic_us() - plc.heartbeat_changed_us;
   status.plc_connected = plc.heard && silent_us <= settings_.plc_timeout_ms * 1000LL;
   const auto number = [](int count) { return static_cast<std::uint64_t>(count); };
+  status.pixels = to_.book.pixels();
   status.cycles = number(counts.cycles);
   status.captures = number(counts.captures);
   status.offers = number(counts.offers);

@@ -38,6 +38,11 @@ void RunBook::set_view(int found, std::span<const WithheldObject> withheld) {
   for (const WithheldObject& object : withheld) view_withheld_.add(object.reason.code);
 }
 
+void RunBook::set_pixels(const PixelCounts& pixels) {
+  const std::lock_guard lock(mutex_);
+  pixels_ = pixels;
+}
+
 void RunBook::add_release() {
   const std::lock_guard lock(mutex_);
   for (std::size_t i = 0; i < view_withheld_.used; ++i) {
@@ -72,6 +77,11 @@ RunBook::Counts RunBook::counts() const {
   Counts out{cycles_, captures_, offers_, picked_, 0};
   for (std::size_t i = 0; i < faults_.used; ++i) out.faults += faults_.entries[i].count;
   return out;
+}
+
+PixelCounts RunBook::pixels() const {
+  const std::lock_guard lock(mutex_);
+  return pixels_;
 }
 
 RunBook::Totals RunBook::totals() const {

@@ -11,6 +11,7 @@
 
 #include "base/arena.hpp"
 #include "base/result.hpp"
+#include "base/stages.hpp"
 #include "contract/locate_result.hpp"
 
 namespace beltpick::app {
@@ -27,6 +28,8 @@ class RunBook {
   // What the latest capture of this view showed; of the views of one cycle only the last one's withheld objects count,
   // when the belt takes them away.
   void set_view(int found, std::span<const WithheldObject> withheld);
+  // How the pixels of the latest capture were measured, or why not.
+  void set_pixels(const PixelCounts& pixels);
   void add_release();
   void add_offer();
   void add_answer(bool picked);
@@ -37,6 +40,8 @@ class RunBook {
     int cycles = 0, captures = 0, offers = 0, picked = 0, faults = 0;
   };
   [[nodiscard]] Counts counts() const;
+  // All zero before the first capture.
+  [[nodiscard]] PixelCounts pixels() const;
 
   // For a thread that may allocate.
   struct Count {
@@ -64,6 +69,7 @@ class RunBook {
 
   mutable std::mutex mutex_;
   int cycles_ = 0, captures_ = 0, failed_captures_ = 0, found_ = 0, offers_ = 0, picked_ = 0, failed_picks_ = 0;
+  PixelCounts pixels_{};
   Codes view_withheld_, withheld_, faults_;
   std::array<std::array<float, kSamples>, kSteps> samples_{};
   std::array<std::size_t, kSteps> sample_count_{};

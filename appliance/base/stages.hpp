@@ -29,6 +29,14 @@ enum class PixelState : std::uint8_t {
 inline constexpr std::array<std::string_view, 7> kPixelStateNames{
     "valid", "dark", "saturated", "low_modulation", "order_uncertain", "edge", "moved"};
 
+// Pixels by PixelState.
+using PixelCounts = std::array<int, kPixelStateNames.size()>;
+inline PixelCounts count_pixels(ImageView<const PixelState> states) {
+  PixelCounts counts{};
+  for (std::size_t i = 0; i < states.size(); ++i) ++counts[static_cast<std::size_t>(states.data[i])];
+  return counts;
+}
+
 // How uncertain a projector coordinate is: sigma_px^2 = floor_px^2 + (slope_px * sigma_I / modulation)^2, sigma_I the
 // noise of one grey level (base/camera_noise.hpp). Phase: slope = sqrt(2 / N) period / 2 pi; Gray cells: floor =
 // cell / sqrt(12).

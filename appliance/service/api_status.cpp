@@ -27,6 +27,13 @@ Json in_use_json(const std::vector<ItemInUse>& items) {
   return list;
 }
 
+Json pixels_json(const PixelCounts& pixels) {
+  Json json = Json::object();
+  for (std::size_t state = 0; state < pixels.size(); ++state)
+    json[std::string(kPixelStateNames[state])] = pixels[state];
+  return json;
+}
+
 }  // namespace
 
 ApiReply Api::health() {
@@ -51,6 +58,7 @@ ApiReply Api::status(const ApiRequest& request) {
   json["camera"] = {{"ready", cell.camera_ready}, {"serial", cell.camera_serial}};
   json["trigger"] = {{"ready", cell.trigger_ready}};
   json["plc"] = {{"connected", cell.plc_connected}};
+  json["pixels"] = pixels_json(cell.pixels);
   json["counters"] = {{"cycles", cell.cycles},
                       {"captures", cell.captures},
                       {"offers", cell.offers},

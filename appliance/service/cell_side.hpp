@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "base/result.hpp"
+#include "base/stages.hpp"
 #include "service/self_test.hpp"
 #include "service/store.hpp"
 
@@ -31,6 +32,7 @@ struct CellStatus {
   bool camera_ready = false;
   bool trigger_ready = false;
   bool plc_connected = false;
+  PixelCounts pixels{};  // of the latest capture; all zero before the first
   std::uint64_t cycles = 0, captures = 0, offers = 0, picked = 0, faults = 0;
   double uptime_s = 0;
   double memory_budget_mb = 0, memory_resident_mb = 0;

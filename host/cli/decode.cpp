@@ -63,7 +63,7 @@ Result<void> write_outputs(const DecodeOptions& options, const MeasuredCapture& 
   return {};
 }
 
-Json describe_code(const MeasuredCapture& measured, const StateCounts& states) {
+Json describe_code(const MeasuredCapture& measured, const PixelCounts& states) {
   const CodeImage& code = measured.code();
   Json pixels = Json::object();
   for (std::size_t s = 0; s < states.size(); ++s) pixels[std::string(kPixelStateNames[s])] = states[s];
@@ -97,7 +97,7 @@ void describe_range(const MeasuredCapture& measured, Json& answer) {
                         {"flying", measured.counts().flying}};
 }
 
-std::string describe(const MeasuredCapture& measured, const StateCounts& states, const Json& answer) {
+std::string describe(const MeasuredCapture& measured, const PixelCounts& states, const Json& answer) {
   char line[200];
   const double all = static_cast<double>(measured.code().state.size());
   std::snprintf(line, sizeof line, "%s: %d of %.0f pixels decoded (%.1f %%)", measured.header().id.c_str(), states[0],
@@ -138,7 +138,7 @@ Result<void> run(const DecodeOptions& options, Session& session) {
   const auto measured = MeasuredCapture::make(options.capture, calibration, warnings, session.json);
   session.warn(warnings);
   if (!measured) return std::unexpected(measured.error());
-  const auto states = count_states((*measured)->code());
+  const auto states = count_pixels((*measured)->code().state);
   Json answer = describe_code(**measured, states);
   if (calibration) describe_range(**measured, answer);
   // Most wanted where nothing else comes out.

@@ -106,7 +106,7 @@ class QualityFolder {
   Result<void> add_states() {
     legend_ += "states.png: why a pixel is measured or not\n";
     contract_io::Json counts = contract_io::Json::object();
-    const StateCounts states = count_states(code_);
+    const PixelCounts states = count_pixels(code_.state);
     for (std::size_t s = 0; s < states.size(); ++s) {
       counts[std::string(kPixelStateNames[s])] = states[s];
       legend_ += "  " + std::string(kPixelStateNames[s]) + ": " + kLooks[s].colour_name + ": " + kLooks[s].meaning +
@@ -161,12 +161,6 @@ class QualityFolder {
 };
 
 }  // namespace
-
-StateCounts count_states(const CodeImage& code) {
-  StateCounts counts{};
-  for (std::size_t i = 0; i < code.state.size(); ++i) ++counts[static_cast<std::size_t>(code.state.data[i])];
-  return counts;
-}
 
 Result<void> write_quality(const std::filesystem::path& folder, const MeasuredCapture& measured) {
   const CodeImage& code = measured.code();

@@ -1,7 +1,6 @@
 // `beltpick decode --quality`: pictures and counts that say of each pixel how well it is measured, or why it is not.
 #pragma once
 
-#include <array>
 #include <filesystem>
 
 #include "base/result.hpp"
@@ -9,10 +8,6 @@
 #include "measured_capture.hpp"
 
 namespace beltpick::cli {
-
-// Pixels by PixelState.
-using StateCounts = std::array<int, kPixelStateNames.size()>;
-StateCounts count_states(const CodeImage& code);
 
 // Writes into `folder`, which is made:
 //   states.png      every pixel in the colour of its state, valid ones shaded by the texture

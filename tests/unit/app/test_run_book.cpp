@@ -25,6 +25,16 @@ TEST_CASE("only what the last view of a cycle withheld goes to the tray", "[book
   CHECK(totals.withheld[0].count == 1);
 }
 
+TEST_CASE("the pixels are those of the latest capture", "[book]") {
+  RunBook book;
+  CHECK(book.pixels() == PixelCounts{});
+  std::array<PixelState, 6> states{PixelState::kValid, PixelState::kSaturated, PixelState::kValid,
+                                   PixelState::kMoved, PixelState::kValid,     PixelState::kEdge};
+  book.set_pixels({9, 9, 9, 9, 9, 9, 9});
+  book.set_pixels(count_pixels({states.data(), 2, 3}));
+  CHECK(book.pixels() == PixelCounts{3, 0, 1, 0, 0, 1, 1});
+}
+
 TEST_CASE("medians are of the latest samples, also when there are very many", "[book]") {
   RunBook book;
   for (int i = 1; i <= 5; ++i) book.add_time(Step::kDecode, i);
