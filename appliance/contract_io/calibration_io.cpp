@@ -135,7 +135,8 @@ Result<Calibration> read_calibration(const std::filesystem::path& path, Warnings
   return parse_calibration(*text, one_line(path.string()), warnings);
 }
 
-Result<void> write_calibration(const std::filesystem::path& path, const Calibration& calibration) {
+Result<void> write_calibration(const std::filesystem::path& path, const Calibration& calibration,
+                               std::string_view quality) {
   Json json = {{"format", kCalibrationFormat}, {"version", kVersion}};
   if (!calibration.id.empty()) json["id"] = calibration.id;
   if (!calibration.camera_serial.empty()) json["camera_serial"] = calibration.camera_serial;
@@ -145,6 +146,7 @@ Result<void> write_calibration(const std::filesystem::path& path, const Calibrat
   const Vec3& t_mm = calibration.T_projector_camera.translation_mm;
   json["projector_from_camera"] = {{"rotation", json_matrix(calibration.T_projector_camera.rotation)},
                                    {"translation", {t_mm.x(), t_mm.y(), t_mm.z()}}};
+  if (!quality.empty()) json["quality"] = Json::parse(quality);
   return write_file(path, json_text(json));
 }
 

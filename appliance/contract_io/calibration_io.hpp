@@ -16,7 +16,9 @@ namespace beltpick::contract_io {
 // kFileNotFound, kFileUnreadable.
 Result<Calibration> parse_calibration(std::string_view text, const std::string& name, Warnings& warnings);
 Result<Calibration> read_calibration(const std::filesystem::path& path, Warnings& warnings);
-Result<void> write_calibration(const std::filesystem::path& path, const Calibration& calibration);
+// `quality`: the text of a JSON object that is written as the member of that name; left out where empty.
+Result<void> write_calibration(const std::filesystem::path& path, const Calibration& calibration,
+                               std::string_view quality = {});
 
 Result<Cell> parse_cell(std::string_view text, const std::string& name, Warnings& warnings);
 Result<Cell> read_cell(const std::filesystem::path& path, Warnings& warnings);

@@ -250,6 +250,11 @@ JsonObject JsonObject::object(std::string_view member) {
   return {*document_, value, path(member)};
 }
 
+std::size_t JsonObject::length(std::string_view member) {
+  const nlohmann::json* found = find(member);
+  return found != nullptr && found->is_array() ? found->size() : 0;
+}
+
 std::vector<std::string> JsonObject::texts(std::string_view member) {
   std::vector<std::string> out;
   const nlohmann::json* value = require(member, "an array of texts", false);

@@ -80,6 +80,9 @@ class JsonObject {
   // Numbers, row after row: rows x columns nested arrays, or one array of `columns` where rows is 0.
   std::vector<double> numbers(std::string_view member, int rows, int columns);
 
+  // How many items the array `member` has; 0 where it is none.
+  std::size_t length(std::string_view member);
+
   // Texts; required, perhaps none.
   std::vector<std::string> texts(std::string_view member);
 

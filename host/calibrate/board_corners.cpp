@@ -10,6 +10,7 @@
 #include <opencv2/imgproc.hpp>
 #include <optional>
 
+#include "calibrate/corner_fit.hpp"
 #include "contract/result_codes.hpp"
 
 namespace beltpick::calibrate {
@@ -190,16 +191,19 @@ std::vector<FoundCorner> find_charuco(const Board& board, const cv::Mat& bytes) 
   return numbered(board, ids, points);
 }
 
-// Where the gradients round the corner are square to the way to it (Foerstner), in the averaged image, which is not
-// rounded to 8 bits. The window keeps clear of the neighbours.
+// First where the gradients round the corner are square to the way to it (Foerstner), then by fit_corner, both in the
+// averaged image, which is not rounded to 8 bits. The window keeps clear of whatever else is printed.
 void refine(const cv::Mat& image, const std::vector<double>& spacing_px, double window_share,
             std::vector<FoundCorner>& corners) {
+  const ImageView<const float> view(image.ptr<float>(), image.rows, image.cols);
   for (std::size_t i = 0; i < corners.size(); ++i) {
-    const int half = std::clamp(static_cast<int>(window_share * spacing_px[i]), 2, 12);
+    const double radius_px = std::clamp(window_share * spacing_px[i], 2.5, 10.0);
+    const int half = static_cast<int>(radius_px);
     std::vector<cv::Point2f> point{
         {static_cast<float>(corners[i].at_px.column_px), static_cast<float>(corners[i].at_px.row_px)}};
     cv::cornerSubPix(image, point, {half, half}, {-1, -1}, {cv::TermCriteria::COUNT + cv::TermCriteria::EPS, 60, 1e-4});
-    corners[i].at_px = {point[0].x, point[0].y};
+    const PixelPosition rough{point[0].x, point[0].y};
+    corners[i].at_px = fit_corner(view, rough, radius_px).value_or(rough);
   }
 }
 
@@ -288,7 +292,7 @@ Result<std::vector<FoundCorner>> find_board(const Board& board, ImageView<const 
                    "--board (inner corners, columns x rows)",
                    board.columns, board.rows, board.is_charuco() ? "ChArUco board" : "chessboard");
   }
-  const double window_share = board.is_charuco() ? 0.5 * (1.0 - board.marker_mm / board.square_mm) : 0.35;
+  const double window_share = board.is_charuco() ? 0.5 * (1.0 - board.marker_mm / board.square_mm) : 0.4;
   refine(full, corner_spacing_px(board, corners), window_share, corners);
   return corners;
 }

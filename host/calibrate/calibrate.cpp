@@ -1,5 +1,8 @@
 #include "calibrate/calibrate.hpp"
 
+#include <algorithm>
+#include <cmath>
+
 #include "calibrate/first_guess.hpp"
 #include "calibrate/held_out.hpp"
 #include "calibrate/judge.hpp"
@@ -48,6 +51,18 @@ Solution solve(const Observations& seen, BundleState start, Selection& use, std:
   return solution;
 }
 
+// Of a capture that is left out as a whole its corners need not be named too.
+std::vector<LeftOut> without_repetition(std::vector<LeftOut> all) {
+  std::vector<std::string> whole;
+  for (const LeftOut& item : all) {
+    if (item.corner < 0) whole.push_back(item.capture);
+  }
+  std::erase_if(all, [&](const LeftOut& item) {
+    return item.corner >= 0 && std::find(whole.begin(), whole.end(), item.capture) != whole.end();
+  });
+  return all;
+}
+
 }  // namespace
 
 Result<Outcome> calibrate(const Observations& seen, const StepDone& step_done) {
@@ -65,7 +80,7 @@ Result<Outcome> calibrate(const Observations& seen, const StepDone& step_done) {
     if (step_done) step_done(++done, total);
   });
   Outcome outcome = gather(seen, use, solution.bundle, held_out);
-  outcome.left_out = std::move(left_out);
+  outcome.left_out = without_repetition(std::move(left_out));
   name_left_out(outcome);
   judge(outcome);
   if (auto sound = check_after(outcome); !sound) return std::unexpected(sound.error());

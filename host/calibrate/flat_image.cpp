@@ -65,6 +65,9 @@ void FlatImage::add_any(int index, ImageView<const Pixel> image) {
   }
 }
 
+template void FlatImage::add_any(int index, ImageView<const std::uint8_t> image);
+template void FlatImage::add_any(int index, ImageView<const std::uint16_t> image);
+
 ImageView<const float> FlatImage::finish() {
   std::sort(exposures_.begin(), exposures_.end(),
             [](const Exposure& a, const Exposure& b) { return a.exposure_us < b.exposure_us; });

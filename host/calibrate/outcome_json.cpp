@@ -108,4 +108,30 @@ std::string outcome_json(const Outcome& outcome) {
   return contract_io::json_text(json);
 }
 
+std::string quality_json(const Outcome& outcome) {
+  Json sigmas = Json::object();
+  for (const ParameterOutcome& parameter : outcome.parameters) sigmas[parameter.name] = parameter.sigma;
+  const Coverage& coverage = outcome.coverage;
+  return contract_io::json_text({{"grade", kGradeNames[static_cast<std::size_t>(outcome.grade)]},
+                                 {"verdict", outcome.verdict},
+                                 {"poses_used", outcome.poses_used},
+                                 {"corners_used", outcome.corners_used},
+                                 {"corners_left_out", outcome.corners_left_out},
+                                 {"camera_rms_px", outcome.camera_rms_px},
+                                 {"projector_rms_px", outcome.projector_rms_px},
+                                 {"stereo_rms_px", outcome.stereo_rms_px},
+                                 {"held_out_rms_mm", outcome.held_out_rms_mm},
+                                 {"held_out_max_mm", outcome.held_out_max_mm},
+                                 {"held_out_size_ppm", outcome.held_out_size_ppm},
+                                 {"point_sigma_mm", outcome.point_sigma_mm},
+                                 {"plate_peak_to_valley_mm", outcome.plate.peak_to_valley_mm},
+                                 {"coverage",
+                                  {{"camera", coverage.camera.share()},
+                                   {"projector", coverage.projector.share()},
+                                   {"near_mm", coverage.near_mm},
+                                   {"far_mm", coverage.far_mm},
+                                   {"tilt_range_deg", {coverage.tilt_x_range_deg, coverage.tilt_y_range_deg}}}},
+                                 {"sigma", sigmas}});
+}
+
 }  // namespace beltpick::calibrate

@@ -2,6 +2,7 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <optional>
 #include <vector>
@@ -18,7 +19,7 @@ constexpr double kWindowShare = 0.6;  // of the spacing: up to well inside all f
 constexpr double kMinWindow_px = 5.0, kMaxWindow_px = 32.0;
 constexpr double kEdgeSlope = 0.04;  // of the local contrast, a pixel: steeper is the edge of a print
 constexpr int kLeastPixels = 24;
-constexpr int kLeastQuarter = 3;  // pixels in each quarter round the corner
+constexpr int kLeastHalf = 6;  // pixels to each side of the corner, whichever way one looks: it lies amidst them
 constexpr double kTukey = 4.0;
 constexpr int kRounds = 6;
 
@@ -81,7 +82,7 @@ std::vector<Sample> samples_in(const CodeImage& code, Axis axis, ImageView<const
   const bool column = axis == Axis::kColumn;
   const ImageView<float>& values = column ? code.column_px : code.row_px;
   std::vector<Sample> samples;
-  std::array<int, 4> quarters{};
+  std::array<int, 8> halves{};
   for_pixels(window, [&](int row, int col) {
     const float value = values(row, col);
     if (std::isnan(value) || on_print_edge(flat, row, col, steep)) return;
@@ -93,9 +94,10 @@ std::vector<Sample> samples_in(const CodeImage& code, Axis axis, ImageView<const
     sample.sigma_px =
         code_sigma_px(column ? code.column_noise : code.row_noise, code.modulation(row, col), flat(row, col));
     samples.push_back(sample);
-    ++quarters[(x > 0.0 ? 1U : 0U) + (y > 0.0 ? 2U : 0U)];
+    const double ahead[] = {x, y, x + y, x - y};
+    for (std::size_t half = 0; half < 4; ++half) ++halves[2 * half + (ahead[half] > 0.0 ? 1U : 0U)];
   });
-  const bool all_round = std::all_of(quarters.begin(), quarters.end(), [](int n) { return n >= kLeastQuarter; });
+  const bool all_round = std::all_of(halves.begin(), halves.end(), [](int n) { return n >= kLeastHalf; });
   if (samples.size() < kLeastPixels || !all_round) samples.clear();
   return samples;
 }

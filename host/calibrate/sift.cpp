@@ -9,9 +9,10 @@ namespace {
 
 constexpr int kLeastCorners = 12;
 constexpr double kRayleighMedian = 1.1774;  // of a 2-D residual, over the standard deviation of one coordinate
-constexpr double kNoiseFloor_px = 0.003;
-constexpr double kOutlier = 6.0;      // standard deviations; noise alone reaches it once in 60 million corners
-constexpr double kPoseOutlier = 4.0;  // times the other poses' typical residual
+constexpr double kNoiseFloor_px = 0.01;     // below it lie the errors of the lens model, which are no noise
+constexpr double kOutlier = 6.0;            // standard deviations; noise alone reaches it once in 60 million corners
+constexpr double kHarmless_px = 0.15;  // no outlier: where lenses have more terms than the model it is off by as much
+constexpr double kPoseOutlier = 4.0;   // times the other poses' typical residual
 constexpr double kMaxLostShare = 0.25;
 
 double median(std::vector<double> values) {
@@ -127,8 +128,8 @@ bool leave_out_corners(const Observations& seen, const BundleState& state, const
       const BundleResidual residual = residual_of(seen, state, p, i);
       const double camera_px = residual.camera_px.norm();
       const double projector_px = pose.corners[i].has_projector() ? residual.projector_px.norm() : 0.0;
-      const bool camera_good = camera_px <= kOutlier * noise.camera_px;
-      const bool projector_good = projector_px <= kOutlier * noise.projector_px;
+      const bool camera_good = camera_px <= std::max(kHarmless_px, kOutlier * noise.camera_px);
+      const bool projector_good = projector_px <= std::max(kHarmless_px, kOutlier * noise.projector_px);
       use.corner[p][i] = camera_good;
       use.projector[p][i] = pose.corners[i].has_projector() && projector_good;
       if (!camera_good) {

@@ -14,13 +14,15 @@ std::unexpected<Error> about(const std::string& what, const Error& error) {
 
 // Folds every frame of `reader` into a Decoder or a Measure.
 template <class Stage>
-Result<void> fold_all(contract_io::CaptureReader& reader, Stage& stage, contract_io::Warnings& warnings, bool quiet) {
+Result<void> fold_all(contract_io::CaptureReader& reader, Stage& stage, contract_io::Warnings& warnings, bool quiet,
+                      const FrameSeen& seen) {
   Progress progress("frames", reader.frames(), quiet);
   for (int i = 0; i < reader.frames(); ++i) {
     const auto image = reader.image(i, warnings);
     if (!image) return std::unexpected(image.error());
     const auto folded = image->bits == 8 ? stage.fold(i, image->view8()) : stage.fold(i, image->view16());
     if (!folded) return about(reader.header().sequence.frames[static_cast<std::size_t>(i)].file, folded.error());
+    if (seen) seen(reader.header(), i, *image);
     progress.show(i + 1);
   }
   return {};
@@ -48,7 +50,8 @@ void mask_edges(const CodeImage& code) {
 
 Result<std::unique_ptr<MeasuredCapture>> MeasuredCapture::make(const std::filesystem::path& path,
                                                                const std::optional<Calibration>& calibration,
-                                                               contract_io::Warnings& warnings, bool quiet) {
+                                                               contract_io::Warnings& warnings, bool quiet,
+                                                               const FrameSeen& seen) {
   auto reader = contract_io::CaptureReader::open(path, warnings);
   if (!reader) return std::unexpected(reader.error());
   std::unique_ptr<MeasuredCapture> made(new MeasuredCapture);
@@ -56,19 +59,20 @@ Result<std::unique_ptr<MeasuredCapture>> MeasuredCapture::make(const std::filesy
   auto plan = decode::make_fold_plan(made->header_.sequence);
   if (!plan) return about(path.string(), plan.error());
   made->plan_ = std::move(*plan);
-  const auto done =
-      calibration ? made->measure(*reader, *calibration, warnings, quiet) : made->decode(*reader, warnings, quiet);
+  const auto done = calibration ? made->measure(*reader, *calibration, warnings, quiet, seen)
+                                : made->decode(*reader, warnings, quiet, seen);
   if (!done) return about(path.string(), done.error());
   return made;
 }
 
-Result<void> MeasuredCapture::decode(contract_io::CaptureReader& reader, contract_io::Warnings& warnings, bool quiet) {
+Result<void> MeasuredCapture::decode(contract_io::CaptureReader& reader, contract_io::Warnings& warnings, bool quiet,
+                                     const FrameSeen& seen) {
   const int pixel_bytes = reader.bits() / 8;
   decoder_ = make_stage<decode::Decoder>(decode::limits_for(plan_, reader.rows(), reader.cols(), pixel_bytes), block_);
   if (auto begun = decoder_->begin(plan_, reader.rows(), reader.cols(), pixel_bytes, header_.full_scale); !begun) {
     return begun;
   }
-  if (auto folded = fold_all(reader, *decoder_, warnings, quiet); !folded) return folded;
+  if (auto folded = fold_all(reader, *decoder_, warnings, quiet, seen); !folded) return folded;
   const Stopwatch watch;
   auto code = decoder_->finish();
   if (!code) return std::unexpected(code.error());
@@ -79,7 +83,7 @@ Result<void> MeasuredCapture::decode(contract_io::CaptureReader& reader, contrac
 }
 
 Result<void> MeasuredCapture::measure(contract_io::CaptureReader& reader, const Calibration& calibration,
-                                      contract_io::Warnings& warnings, bool quiet) {
+                                      contract_io::Warnings& warnings, bool quiet, const FrameSeen& seen) {
   const int pixel_bytes = reader.bits() / 8;
   if (reader.cols() != calibration.camera.width || reader.rows() != calibration.camera.height) {
     return failure(ResultCode::kCalibrationMismatch,
@@ -91,7 +95,7 @@ Result<void> MeasuredCapture::measure(contract_io::CaptureReader& reader, const 
       make_stage<pipeline::Measure>(decode::limits_for(plan_, reader.rows(), reader.cols(), pixel_bytes), block_);
   if (auto set = measure_->configure(header_.sequence, calibration); !set) return set;
   if (auto begun = measure_->begin(pixel_bytes, header_.full_scale); !begun) return begun;
-  if (auto folded = fold_all(reader, *measure_, warnings, quiet); !folded) return folded;
+  if (auto folded = fold_all(reader, *measure_, warnings, quiet, seen); !folded) return folded;
   auto range = measure_->finish();
   if (!range) return std::unexpected(range.error());
   range_ = *range;

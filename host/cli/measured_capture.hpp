@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <optional>
 
@@ -17,6 +18,9 @@
 
 namespace beltpick::cli {
 
+// Sees a frame of a capture as it is folded.
+using FrameSeen = std::function<void(const CaptureHeader& header, int index, const contract_io::GreyImage& image)>;
+
 class MeasuredCapture {
  public:
   // Reads `path` frame by frame, shows progress unless `quiet`. Without a calibration range() is empty, and edges
@@ -24,7 +28,8 @@ class MeasuredCapture {
   // CaptureReader, make_fold_plan, Decoder and Measure; messages name the capture and, of a frame, its file.
   static Result<std::unique_ptr<MeasuredCapture>> make(const std::filesystem::path& path,
                                                        const std::optional<Calibration>& calibration,
-                                                       contract_io::Warnings& warnings, bool quiet);
+                                                       contract_io::Warnings& warnings, bool quiet,
+                                                       const FrameSeen& seen = {});
 
   // Views of this object's memory.
   [[nodiscard]] const CodeImage& code() const { return code_; }
@@ -37,9 +42,10 @@ class MeasuredCapture {
 
  private:
   MeasuredCapture() = default;
-  Result<void> decode(contract_io::CaptureReader& reader, contract_io::Warnings& warnings, bool quiet);
+  Result<void> decode(contract_io::CaptureReader& reader, contract_io::Warnings& warnings, bool quiet,
+                      const FrameSeen& seen);
   Result<void> measure(contract_io::CaptureReader& reader, const Calibration& calibration,
-                       contract_io::Warnings& warnings, bool quiet);
+                       contract_io::Warnings& warnings, bool quiet, const FrameSeen& seen);
 
   CaptureHeader header_;
   std::unique_ptr<ArenaBlock> block_;
