@@ -15,7 +15,8 @@ namespace {
 using PlatePose = Pose<frame::Belt, frame::Part>;
 
 constexpr double kHighestMm = 100.0;  // of the plate's middle above the belt
-constexpr int kFlatEvery = 4;         // every fourth plate lies level
+constexpr double kPushOut = 1.8;
+constexpr int kFlatEvery = 4;  // every fourth plate lies level
 constexpr double kGolden = 0.6180339887498949;
 constexpr double kPlasticX = 0.7548776662466927, kPlasticY = 0.5698402909980532;  // a sequence that fills a square
 
@@ -31,7 +32,9 @@ double fraction(double x) { return x - std::floor(x); }
 
 Wish wish_of(PlatePoses how, int k, int count, Random& random, double phase) {
   Wish wish;
-  wish.place = {fraction(phase + kPlasticX * (k + 1)), fraction(phase + kPlasticY * (k + 1))};
+  // Wished for beyond the image, so that as many plates as not are pushed against its border: lenses are worst there.
+  const auto spread = [](double share) { return 0.5 + kPushOut * (share - 0.5); };
+  wish.place = {spread(fraction(phase + kPlasticX * (k + 1))), spread(fraction(phase + kPlasticY * (k + 1)))};
   wish.height_mm = kHighestMm * fraction(phase + kGolden * (k + 1));
   if (how == PlatePoses::kOnBelt) {
     wish.height_mm = 0.0;
@@ -45,6 +48,9 @@ Wish wish_of(PlatePoses how, int k, int count, Random& random, double phase) {
     // Level ones reach what tilted ones cannot: the view just above the belt.
     const int levels = std::max((count - 1) / kFlatEvery, 1);
     wish.height_mm = kHighestMm * (k / kFlatEvery) / levels;
+    constexpr std::array<std::array<double, 2>, 4> kImageCorner{{{0, 0}, {1, 1}, {1, 0}, {0, 1}}};
+    const auto& corner = kImageCorner[static_cast<std::size_t>(k / kFlatEvery) % 4];
+    wish.place = {corner[0], corner[1]};
   } else if (how != PlatePoses::kFlat) {
     wish.tilt_rad = rad_from_deg(random.uniform(15.0, 33.0));
     wish.towards_rad = 2.0 * kPi * fraction(phase + static_cast<double>(k) / count * 3.0);
@@ -97,11 +103,11 @@ class Chooser {
   }
 
   [[nodiscard]] std::optional<PlatePose> choose(const Wish& wish, Random& random) const {
-    constexpr int kTries = 4000, kEnough = 60;
+    constexpr int kTries = 6000, kEnough = 200;
     std::optional<PlatePose> best;
     double best_cost = 1e30;
     for (int tried = 0, found = 0; tried < kTries && found < kEnough; ++tried) {
-      const Eigen::Vector2d place(random.uniform(0.1, 0.9), random.uniform(0.1, 0.9));
+      const Eigen::Vector2d place(random.uniform(0.05, 0.95), random.uniform(0.05, 0.95));
       const PlatePose pose = tilted(wish, random.uniform(wish.turn_low, wish.turn_high), place);
       if (!shown_whole(pose)) continue;
       ++found;
