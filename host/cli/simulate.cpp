@@ -305,6 +305,9 @@ void add_light_options(CLI::App& app, SimulateOptions& options) {
          "--camera-blur-px", options.render.camera_blur_px,
          "standard deviation of the camera lens's point spread (default 0; plates and targets 0.4); 3: out of focus")
       ->check(CLI::Range(0.0, 20.0));
+  app.add_option("--projector-blur-px", options.render.projector_blur_px,
+                 "standard deviation of the projector's defocus beyond its depth of field's (default 0)")
+      ->check(CLI::Range(0.0, 20.0));
   app.add_option("--interreflection", options.render.interreflection,
                  "light that surfaces throw on each other: 0 none (default) to 1, as it is; slower")
       ->check(CLI::Range(0.0, 1.0));

@@ -17,18 +17,22 @@ float pixel_share(double offset, double sigma) {
 
 }  // namespace
 
-PatternLight::PatternLight(const ProjectorGrid& grid, double gamma) : grid_(grid) {
+PatternLight::PatternLight(const ProjectorGrid& grid, double gamma, double blur_px) : grid_(grid) {
+  constexpr double kReachSigma = 4.6;
+  const double widest = std::hypot(static_cast<double>(kSigmaFirst + kSigmaStep * (kBlurLevels - 1)), blur_px);
+  reach_ = static_cast<int>(std::ceil(kReachSigma * widest));
   for (std::size_t value = 0; value < gamma_response_.size(); ++value) {
     gamma_response_[value] = static_cast<float>(std::pow(static_cast<double>(value) / 255.0, gamma));
   }
   response_ = gamma_response_;
   for (int parity = 0; parity < 2; ++parity) {
     for (int level = 0; level < kBlurLevels; ++level) {
-      const double sigma = kSigmaFirst + kSigmaStep * static_cast<float>(level);
+      const double sigma =
+          std::hypot(static_cast<double>(kSigmaFirst + kSigmaStep * static_cast<float>(level)), blur_px);
       for (int sub = 0; sub < kSubdivision; ++sub) {
-        for (int n = -kReach; n <= kReach; ++n) {
+        for (int n = -reach_; n <= reach_; ++n) {
           const double offset = n + 0.5 * parity - static_cast<double>(sub) / kSubdivision;
-          weights_[parity][level][sub][n + kReach] = pixel_share(offset, sigma);
+          weights_[parity][level][sub].push_back(pixel_share(offset, sigma));
         }
       }
     }
@@ -46,7 +50,7 @@ void PatternLight::set(const FrameSpec& frame) {
 
 void PatternLight::add_rows(const FrameSpec& frame, int parity, float share) {
   const int extent = grid_.extent(axis_);
-  const int padding = kReach + static_cast<int>(kMargin);
+  const int padding = reach_ + static_cast<int>(kMargin);
   pixel_.assign(static_cast<std::size_t>(extent + 2 * padding + 1), 0.0F);
   for (int x = 0; x < extent; ++x) {
     // The pattern image holds 8 bits; the response is what the projector makes of them.

@@ -17,7 +17,8 @@ class PatternLight {
   static constexpr int kSubdivision = 8;  // samples a projector pixel; read with linear interpolation
   static constexpr float kBlack = 0.003F;
 
-  PatternLight(const ProjectorGrid& grid, double gamma);
+  // `blur_px`: standard deviation of a defocus of the whole image, added to that of every level.
+  PatternLight(const ProjectorGrid& grid, double gamma, double blur_px = 0.0);
 
   void set(const FrameSpec& frame);
 
@@ -45,20 +46,20 @@ class PatternLight {
 
  private:
   static constexpr float kMargin = 1.0F;  // of coordinates before pixel 0 that the table covers
-  static constexpr int kReach = 7;        // pixels either side that the widest blur mixes in
   static constexpr float kSigmaFirst = 0.40F, kSigmaStep = 0.16F;
 
   ProjectorGrid grid_;
   Response gamma_response_{};
   Response response_{};
   Axis axis_ = Axis::kColumn;
+  int reach_ = 0;  // pixels either side that the widest blur mixes in
   int samples_ = 0;
   float mean_ = 0.0F;
   std::vector<float> pixel_;
   std::vector<float> table_;  // [level][sample]
   // Share of the neighbouring pixels at each subdivision and blur; [1] for the odd rows of a diamond lattice.
-  using Weights = std::array<std::array<std::array<float, 2 * kReach + 1>, kSubdivision>, kBlurLevels>;
-  std::array<Weights, 2> weights_{};
+  using Weights = std::array<std::array<std::vector<float>, kSubdivision>, kBlurLevels>;
+  std::array<Weights, 2> weights_;
 
   // Adds `share` of the light of the even (0) or odd (1) rows to the table.
   void add_rows(const FrameSpec& frame, int parity, float share);

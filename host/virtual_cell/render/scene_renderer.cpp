@@ -54,7 +54,8 @@ struct SceneRenderer::State {
         options(options_),
         scene(parts, rig_.T_camera_belt),
         rays(rig_.camera),
-        light({rig_.projector.width, rig_.projector.height, rig_.layout}, options_.projector_gamma),
+        light({rig_.projector.width, rig_.projector.height, rig_.layout}, options_.projector_gamma,
+              options_.projector_blur_px),
         blur(options_.camera_blur_px) {
     const Vec3 step_mm = rig.T_camera_belt * Vec3(1.0, 0.0, 0.0);
     const Vec3 origin_mm = rig.T_camera_belt.translation_mm;

@@ -39,8 +39,9 @@ struct RenderOptions {
   double white_level = 0.87;            // of the camera's full scale
   double ambient_share = 0.06;          // ambient light against the projector's white
   double sway_mm = 0.25;                // amplitude of the belt's sway along its travel at time 0 after the stop
-  double camera_blur_px = 0.0;          // standard deviation of the camera lens's point spread
-  int edge_samples = 4;                 // an edge pixel is the mean of edge_samples squared rays
+  double projector_blur_px = 0.0;  // standard deviation of the projector's defocus beyond that of its depth of field
+  double camera_blur_px = 0.0;     // standard deviation of the camera lens's point spread
+  int edge_samples = 4;            // an edge pixel is the mean of edge_samples squared rays
 };
 
 // Photo-electrons at the sensor's full scale, and its noise in darkness.

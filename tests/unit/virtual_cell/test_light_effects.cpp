@@ -118,6 +118,20 @@ TEST_CASE("a free-running projector gives its mean over whole frames, and more o
   CHECK(most > 1.2 * least);
 }
 
+TEST_CASE("a projector out of focus takes the contrast that a Gaussian takes") {
+  FrameSpec fringe;
+  fringe.kind = FrameKind::kPhase;
+  fringe.period_px = 16.0;
+  fringe.steps = 4;
+  const auto contrast = [&](double blur_px) {
+    PatternLight light({912, 1140}, 1.0, blur_px);
+    light.set(fringe);
+    return light.at(16.0F * 20, 0) - light.at(16.0F * 20 + 8.0F, 0);
+  };
+  const double wave = 2.0 * 3.14159265358979 / 16.0;
+  CHECK(contrast(3.0) / contrast(0.0) == Approx(std::exp(-0.5 * 9.0 * wave * wave)).epsilon(0.01));
+}
+
 TEST_CASE("faulty captures show the frames they should") {
   const Sequence sequence = make_sequence(SequenceName::kFast, {912, 1140}, SequenceAxes::kColumn).value();
   const int frames = static_cast<int>(sequence.frames.size());
