@@ -1,8 +1,5 @@
 #include "decode/decoder.hpp"
 
-#include <algorithm>
-#include <limits>
-
 #include "contract/result_codes.hpp"
 #include "decode/ripple.hpp"
 
@@ -11,21 +8,6 @@ namespace {
 
 std::size_t pixel_count(const DecoderLimits& limits) {
   return static_cast<std::size_t>(limits.rows) * static_cast<std::size_t>(limits.cols);
-}
-
-// Merges one axis of a row into the outputs.
-void write_axis(const AxisRow& axis, int cols, bool first, float* x_px, float* modulation, PixelState* state) {
-  constexpr float kNotMeasured = std::numeric_limits<float>::quiet_NaN();
-  for (int i = 0; i < cols; ++i) {
-    const auto at = static_cast<std::size_t>(i);
-    const bool valid = axis.state[at] == PixelState::kValid;
-    x_px[i] = valid ? axis.x_px[at] : kNotMeasured;
-    const bool other_valid = !first && state[i] == PixelState::kValid;
-    modulation[i] = valid && other_valid ? std::min(modulation[i], axis.amplitude8[at])
-                    : other_valid        ? modulation[i]
-                                         : axis.amplitude8[at];
-    state[i] = first || valid ? axis.state[at] : state[i];
-  }
 }
 
 }  // namespace
@@ -41,8 +23,8 @@ DecoderLimits limits_for(const FoldPlan& plan, int rows, int cols, int pixel_byt
 
 Decoder::Decoder(Arena& arena, const DecoderLimits& limits) : limits_(limits) {
   const std::size_t pixels = pixel_count(limits);
-  context_.store = PlaneStore(arena.take_scratch<std::byte>(Phase::kMeasure, "decode state",
-                                                            PlaneStore::bytes_for(pixels, limits.state_bytes)));
+  context_.store = PlaneStore(arena.take_scratch<std::byte>(
+      Phase::kMeasure, "decode state", PlaneStore::bytes_for(limits.rows, limits.cols, limits.state_bytes)));
   scratch_ = RowScratch(arena, limits.cols);
   // A channel has three frames at least.
   context_.ripples = arena.take<Ripple>("ripples", static_cast<std::size_t>(limits.frames / 3 + 1));
@@ -101,26 +83,16 @@ Result<void> Decoder::fold_any(int index, ImageView<const Pixel> image) {
                    "expected frame %d of the sequence, found frame %d", next_frame_, index);
   }
   const FrameWork& work = context_.plan->frames[static_cast<std::size_t>(index)];
-  for (int row = 0; row < rows_; ++row) fold_row(context_, work, image.row(row), row);
-  check_.sample(index, image);
+  for (int row = 0; row < rows_; ++row) {
+    fold_row(context_, work, image.row(row), row);
+    check_.sample_row(index, row, image.row(row));
+  }
   ++next_frame_;
   return {};
 }
 
 Result<void> Decoder::fold(int index, ImageView<const std::uint8_t> image) { return fold_any(index, image); }
 Result<void> Decoder::fold(int index, ImageView<const std::uint16_t> image) { return fold_any(index, image); }
-
-void Decoder::write_row(int row) {
-  const std::size_t at = static_cast<std::size_t>(row) * static_cast<std::size_t>(context_.cols);
-  bool first = true;
-  for (const Axis axis : {Axis::kColumn, Axis::kRow}) {
-    if (!context_.plan->codes(axis)) continue;
-    const std::span<float> out = axis == Axis::kColumn ? column_px_ : row_px_;
-    write_axis(scratch_.best[static_cast<std::size_t>(axis)], context_.cols, first, &out[at], &modulation_[at],
-               &state_[at]);
-    first = false;
-  }
-}
 
 CodeImage Decoder::output() const {
   const auto view = [&](auto memory) { return ImageView(memory.data(), rows_, context_.cols); };
@@ -156,14 +128,19 @@ void Decoder::measure_ripples() {
 }
 
 void Decoder::finish_rows(int first, int end) {
+  const bool columns = context_.plan->codes(Axis::kColumn);
+  const bool rows = context_.plan->codes(Axis::kRow);
   for (int row = first; row < end; ++row) {
-    std::uint8_t* texture = &texture_[static_cast<std::size_t>(row) * static_cast<std::size_t>(context_.cols)];
+    const std::size_t at = static_cast<std::size_t>(row) * static_cast<std::size_t>(context_.cols);
+    const RowOutput out{{columns ? &column_px_[at] : nullptr, rows ? &row_px_[at] : nullptr},
+                        &modulation_[at],
+                        &state_[at],
+                        &texture_[at]};
     if (pixel_bytes_ == 1) {
-      finish_row<std::uint8_t>(context_, scratch_, row, texture);
+      finish_row<std::uint8_t>(context_, scratch_, row, out);
     } else {
-      finish_row<std::uint16_t>(context_, scratch_, row, texture);
+      finish_row<std::uint16_t>(context_, scratch_, row, out);
     }
-    write_row(row);
   }
 }
 

@@ -57,7 +57,6 @@ class Decoder {
  private:
   template <class Pixel>
   Result<void> fold_any(int index, ImageView<const Pixel> image);
-  void write_row(int row);
   void measure_ripples();
   [[nodiscard]] CodeImage output() const;
 

@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "base/camera_noise.hpp"
 #include "base/kernel.hpp"
+#include "decode/gray_cells.hpp"
 
 namespace beltpick::decode {
 namespace {
@@ -73,20 +75,16 @@ BELTPICK_INLINE void texture_of(const Pixel* white, int count, float scale, std:
   for (int i = 0; i < count; ++i) texture[i] = level_byte(static_cast<float>(white[i]) * scale);
 }
 
-// The number whose reflected code is `gray`.
-BELTPICK_INLINE int binary_from_gray(int gray) {
-  int binary = gray ^ (gray >> 8);
-  binary ^= binary >> 4;
-  binary ^= binary >> 2;
-  return binary ^ (binary >> 1);
-}
-
 // Phase noise may put a pixel at the projector's edge this far outside.
 constexpr float kOutsidePx = 1.0F;
 constexpr float kBorderSigmas = 5.0F;
 
-// The one Gray bit that changes at the left border of a cell; 0 for the first cell.
-BELTPICK_INLINE int border_bit(int cell) { return cell & -cell; }
+// 1 where no bit is weak but those at the borders of the cell. Arithmetic: single bits as truth values keep the
+// compiler from vector units.
+BELTPICK_INLINE std::uint8_t unless_far(std::uint8_t weak) {
+  static_assert(kWeakFar == 1);
+  return static_cast<std::uint8_t>(~weak & kWeakFar);
+}
 
 }  // namespace
 
@@ -133,23 +131,22 @@ void texture_row(const float* mean8, const float* amplitude8, int count, std::ui
 }
 
 BELTPICK_KERNEL
-void gray_only_row(const std::uint16_t* code, const std::uint16_t* weak, int count, const CellRule& rule, float* x_px,
-                   std::uint8_t* order_safe) {
+void gray_only_row(const std::uint16_t* __restrict cell, const std::uint8_t* __restrict weak, int count,
+                   const CellRule& rule, float* __restrict x_px, std::uint8_t* __restrict order_safe) {
   const float cell_px = rule.cell_px;
   const float end_px = rule.extent_px - 0.5F;
   const int cells = rule.cells;
   for (int i = 0; i < count; ++i) {
-    const int cell = binary_from_gray(code[i]);
-    const float left_px = static_cast<float>(cell) * cell_px - 0.5F;
+    const float left_px = static_cast<float>(cell[i]) * cell_px - 0.5F;
     x_px[i] = 0.5F * (left_px + std::min(left_px + cell_px, end_px));
-    const int far = weak[i] & ~(border_bit(cell) | border_bit(cell + 1));
-    order_safe[i] = static_cast<std::uint8_t>((far == 0) & (cell < cells));
+    order_safe[i] = cell[i] < cells ? unless_far(weak[i]) : std::uint8_t{0};
   }
 }
 
 BELTPICK_KERNEL
-void gray_phase_row(const float* turn, const std::uint16_t* code, const std::uint16_t* weak, int count,
-                    const CellRule& rule, float* x_px, std::uint8_t* order_safe) {
+void gray_phase_row(const float* __restrict turn, const std::uint16_t* __restrict cell,
+                    const std::uint8_t* __restrict weak, int count, const CellRule& rule, float* __restrict x_px,
+                    std::uint8_t* __restrict order_safe) {
   const float cell_px = rule.cell_px;
   const float period_px = rule.period_px;
   const float per_period = 1.0F / period_px;
@@ -158,32 +155,30 @@ void gray_phase_row(const float* turn, const std::uint16_t* code, const std::uin
   const float last_px = std::nextafter(rule.extent_px - 0.5F, 0.0F);
   const int cells = rule.cells;
   for (int i = 0; i < count; ++i) {
-    const int cell = binary_from_gray(code[i]);
-    const int far = weak[i] & ~(border_bit(cell) | border_bit(cell + 1));
-    const float centre_px = (static_cast<float>(cell) + 0.5F) * cell_px - 0.5F;
+    const float centre_px = (static_cast<float>(cell[i]) + 0.5F) * cell_px - 0.5F;
     const float wrapped_px = turn[i] * period_px;
     // Orders are -1 or more: adding 2 makes the cut a floor.
     const int order = static_cast<int>((centre_px - wrapped_px) * per_period + 2.5F) - 2;
     const float x = wrapped_px + static_cast<float>(order) * period_px;
     const float inside_px = std::min(std::max(x, first_px), last_px);
     const bool safe =
-        (far == 0) & (cell < cells) & (std::fabs(x - centre_px) <= guard_px) & (std::fabs(x - inside_px) <= kOutsidePx);
+        (cell[i] < cells) & (std::fabs(x - centre_px) <= guard_px) & (std::fabs(x - inside_px) <= kOutsidePx);
     x_px[i] = inside_px;
-    order_safe[i] = safe ? 1 : 0;
+    order_safe[i] = safe ? unless_far(weak[i]) : std::uint8_t{0};
   }
 }
 
 BELTPICK_KERNEL
-void settle_borders_row(const std::uint16_t* code, const std::uint16_t* weak, const float* amplitude8,
-                        const float* mean8, int count, const CellRule& rule, float noise_px, float* x_px,
-                        std::uint8_t* order_safe) {
+void settle_borders_row(const std::uint16_t* __restrict cell, const std::uint8_t* __restrict weak,
+                        const float* __restrict amplitude8, const float* __restrict mean8, int count,
+                        const CellRule& rule, float noise_px, float* __restrict x_px,
+                        std::uint8_t* __restrict order_safe) {
   const float end_px = rule.extent_px - 0.5F;
   const float period_px = rule.period_px;
   for (int i = 0; i < count; ++i) {
-    const int cell = binary_from_gray(code[i]);
-    const bool left = (border_bit(cell) & weak[i]) != 0;
-    const bool right = (border_bit(cell + 1) & weak[i]) != 0;
-    const float offset_px = x_px[i] - ((static_cast<float>(cell) + 0.5F) * rule.cell_px - 0.5F);
+    const bool left = (weak[i] & kWeakLeft) != 0;
+    const bool right = (weak[i] & kWeakRight) != 0;
+    const float offset_px = x_px[i] - ((static_cast<float>(cell[i]) + 0.5F) * rule.cell_px - 0.5F);
     const bool at_left = left & !right;
     const bool at_right = right & !left;
     const bool beyond_left = at_left & (offset_px > 0.25F * period_px);
@@ -218,6 +213,38 @@ void mark_saturated_row(const std::uint8_t* flags, int count, std::uint8_t bit, 
   for (int i = 0; i < count; ++i) {
     const auto value = static_cast<int>(state[i]);
     state[i] = static_cast<PixelState>((flags[i] & bit) != 0 ? static_cast<int>(PixelState::kSaturated) : value);
+  }
+}
+
+BELTPICK_KERNEL
+void hide_unmeasured_row(const PixelState* __restrict state, int count, float* __restrict x_px) {
+  constexpr float kNotMeasured = std::numeric_limits<float>::quiet_NaN();
+  for (int i = 0; i < count; ++i) x_px[i] = state[i] == PixelState::kValid ? x_px[i] : kNotMeasured;
+}
+
+BELTPICK_KERNEL
+void keep_better_row(const AxisPixels& current, int count, const AxisPixels& best) {
+  const AxisPixels from = current;
+  const AxisPixels to = best;
+  for (int i = 0; i < count; ++i) {
+    const bool valid = from.state[i] == PixelState::kValid;
+    const bool best_valid = to.state[i] == PixelState::kValid;
+    const bool better = (valid & !best_valid) | ((valid == best_valid) & (from.amplitude8[i] > to.amplitude8[i]));
+    to.x_px[i] = better ? from.x_px[i] : to.x_px[i];
+    to.amplitude8[i] = better ? from.amplitude8[i] : to.amplitude8[i];
+    to.state[i] = better ? from.state[i] : to.state[i];
+  }
+}
+
+BELTPICK_KERNEL
+void join_axes_row(const float* __restrict second_amplitude8, const PixelState* __restrict second_state, int count,
+                   float* __restrict modulation, PixelState* __restrict state) {
+  for (int i = 0; i < count; ++i) {
+    const bool valid = second_state[i] == PixelState::kValid;
+    const bool other_valid = state[i] == PixelState::kValid;
+    const float worse = std::min(modulation[i], second_amplitude8[i]);
+    modulation[i] = valid & other_valid ? worse : other_valid ? modulation[i] : second_amplitude8[i];
+    state[i] = valid ? PixelState::kValid : state[i];
   }
 }
 

@@ -35,20 +35,22 @@ struct CellRule {
   float guard_px = 0.0F;   // further from the cell's centre than this, Gray code and phase contradict each other
 };
 
+// `cell` and `weak` below are those of cells_row().
+
 // Centre of the Gray cell, cut at the extent. order_safe = 0 where a weak bit might mean another than the next cell,
 // or the cell lies beyond the extent.
-void gray_only_row(const std::uint16_t* code, const std::uint16_t* weak, int count, const CellRule& rule, float* x_px,
+void gray_only_row(const std::uint16_t* cell, const std::uint8_t* weak, int count, const CellRule& rule, float* x_px,
                    std::uint8_t* order_safe);
 
 // The fringe order is the one that puts the phase nearest to the cell's centre; x in [-0.5, extent - 0.5).
 // order_safe = 0 as above, and where the phase contradicts the cell.
-void gray_phase_row(const float* turn, const std::uint16_t* code, const std::uint16_t* weak, int count,
+void gray_phase_row(const float* turn, const std::uint16_t* cell, const std::uint8_t* weak, int count,
                     const CellRule& rule, float* x_px, std::uint8_t* order_safe);
 
 // For cells about as wide as the period, whose two borders look alike to the phase: at a border the weak bit says which
 // of the two it is, and the phase on which side of it; without a single weak bit, order_safe = 0 within five standard
 // deviations of the phase noise (noise_px = its sigma times amplitude over the noise of one grey level).
-void settle_borders_row(const std::uint16_t* code, const std::uint16_t* weak, const float* amplitude8,
+void settle_borders_row(const std::uint16_t* cell, const std::uint8_t* weak, const float* amplitude8,
                         const float* mean8, int count, const CellRule& rule, float noise_px, float* x_px,
                         std::uint8_t* order_safe);
 
@@ -62,5 +64,18 @@ void state_row(const float* amplitude8, const float* mean8, const float* half8, 
                int count, const StateRule& rule, PixelState* state);
 // kSaturated where flags has the bit.
 void mark_saturated_row(const std::uint8_t* flags, int count, std::uint8_t bit, PixelState* state);
+
+// One axis of a row: what an exposure or an axis measured.
+struct AxisPixels {
+  float *x_px, *amplitude8;
+  PixelState* state;
+};
+// x_px = NaN where the state is not valid.
+void hide_unmeasured_row(const PixelState* state, int count, float* x_px);
+// Takes over the pixels that `current` measured better: valid before not valid, then the greater amplitude.
+void keep_better_row(const AxisPixels& current, int count, const AxisPixels& best);
+// A second axis beside the first: a pixel is valid where either is, and as well modulated as the worse valid one.
+void join_axes_row(const float* second_amplitude8, const PixelState* second_state, int count, float* modulation,
+                   PixelState* state);
 
 }  // namespace beltpick::decode

@@ -2,6 +2,7 @@
 
 #include "base/units.hpp"
 #include "decode/finish_kernels.hpp"
+#include "decode/gray_cells.hpp"
 #include "decode/gray_rows.hpp"
 #include "decode/order_search.hpp"
 #include "decode/ripple.hpp"
@@ -17,28 +18,30 @@ constexpr float kLeastPhaseSigmas = 6.4F;
 constexpr float kLeastGraySigmas = 4.4F;
 constexpr float kGrayNoiseGain = 1.2247F;  // one frame against the mean of two: sqrt(3 / 2)
 
-AxisRow take_axis_row(Arena& arena, std::size_t cols) {
-  return {arena.take<float>("decode scratch", cols), arena.take<float>("decode scratch", cols),
-          arena.take<PixelState>("decode scratch", cols)};
-}
-
-// Brings the Gray bits of a row into scratch: those resolved on arrival, and those that waited.
+// Brings the Gray bits of a row together: those resolved on arrival, and those that waited.
 template <class Pixel>
 void gather_gray(const RowContext& context, const GrayCode& code, RowScratch& scratch, int row) {
-  std::uint16_t* bits = scratch.code.data();
-  std::uint16_t* weak = scratch.weak.data();
-  if (code.code_plane != kNone) {
-    std::copy_n(context.store.row<std::uint16_t>(code.code_plane, row), context.cols, bits);
-    std::copy_n(context.store.row<std::uint16_t>(code.weak_plane, row), context.cols, weak);
+  std::array<const std::uint8_t*, kMaxGrayBits> bit_rows{};
+  const std::size_t row_bytes = bit_row_bytes(context.cols);
+  auto* level = reinterpret_cast<Pixel*>(scratch.level.data());
+  auto* reach = reinterpret_cast<Pixel*>(scratch.reach.data());
+  const Threshold* made = nullptr;
+  for (std::size_t b = 0; b < code.bits.size(); ++b) {
+    const GrayBit& bit = code.bits[b];
+    if (bit.raw_plane == kNone) {
+      bit_rows[b] = context.store.row<const std::uint8_t>(bit.plane, row);
+      continue;
+    }
+    if (made == nullptr || !(*made == bit.threshold)) {
+      threshold_row(context, code, bit.threshold, row, level, reach);
+      made = &bit.threshold;
+    }
+    std::uint8_t* bits = scratch.bits.data() + b * row_bytes;
+    resolve_levels_row(context.store.row<const Pixel>(bit.raw_plane, row), level, reach, context.cols,
+                       bit.frame == kNone, bits);
+    bit_rows[b] = bits;
   }
-  bool first = code.code_plane == kNone;
-  for (int b = 0; b < static_cast<int>(code.bits.size()); ++b) {
-    const GrayBit& bit = code.bits[static_cast<std::size_t>(b)];
-    if (bit.raw_plane == kNone) continue;
-    const ResolveBit work{.gray = 0, .bit = b, .inverted = bit.frame == kNone, .first = first};
-    resolve_bit_row(context, code, work, context.store.row<const Pixel>(bit.raw_plane, row), row, bits, weak);
-    first = false;
-  }
+  cells_row(bit_rows, static_cast<int>(code.bits.size()), context.cols, scratch.cell.data(), scratch.weak.data());
 }
 
 // How bright a row is on average and how far white stands above it.
@@ -78,60 +81,47 @@ CellRule cell_rule(const GrayCode& code, const AxisPlan& axis, double period_px)
 }
 
 // The coordinate from fringes, with their order from Gray code or from each other.
-void order_fringes(const RowContext& context, const AxisPlan& axis, const GrayCode* code, RowScratch& scratch) {
+void order_fringes(const RowContext& context, const AxisPlan& axis, const GrayCode* code, RowScratch& scratch,
+                   float* x_px) {
   if (axis.method == Method::kSearch) {
-    order_search_row(*context.plan, axis, code, scratch, context.cols);
+    order_search_row(*context.plan, axis, code, scratch, context.cols, x_px);
     return;
   }
   const PhaseChannel& fringes = context.plan->channels[static_cast<std::size_t>(axis.channels[0])];
   const CellRule rule = cell_rule(*code, axis, fringes.period_px);
-  float* x_px = scratch.current.x_px.data();
-  gray_phase_row(scratch.turn[0].data(), scratch.code.data(), scratch.weak.data(), context.cols, rule, x_px,
+  gray_phase_row(scratch.turn[0].data(), scratch.cell.data(), scratch.weak.data(), context.cols, rule, x_px,
                  scratch.order_safe.data());
   if (code->weak_fraction == 0.0F) return;
-  settle_borders_row(scratch.code.data(), scratch.weak.data(), scratch.amplitude8[0].data(), scratch.mean8.data(),
+  settle_borders_row(scratch.cell.data(), scratch.weak.data(), scratch.amplitude8[0].data(), scratch.mean8.data(),
                      context.cols, rule, static_cast<float>(fringes.noise_gain * fringes.period_px / (2.0 * kPi)), x_px,
                      scratch.order_safe.data());
 }
 
-// Decodes one axis of one exposure into scratch.current.
+// Decodes one axis of one exposure into `out`.
 template <class Pixel>
 void decode_axis(const RowContext& context, const ExposurePlan& exposure, const AxisPlan& axis, RowScratch& scratch,
-                 int row) {
+                 int row, const AxisPixels& out) {
   const int cols = context.cols;
-  AxisRow& out = scratch.current;
   const GrayCode* code = axis.gray == kNone ? nullptr : &context.plan->grays[static_cast<std::size_t>(axis.gray)];
   if (code != nullptr) gather_gray<Pixel>(context, *code, scratch, row);
   if (axis.method == Method::kGrayOnly) {
-    gray_only_row(scratch.code.data(), scratch.weak.data(), cols, cell_rule(*code, axis, code->cell_px),
-                  out.x_px.data(), scratch.order_safe.data());
-    std::copy_n(scratch.half8.data(), cols, out.amplitude8.data());
-    state_row(out.amplitude8.data(), scratch.mean8.data(), scratch.half8.data(), scratch.order_safe.data(), cols,
-              {kLeastGraySigmas, kGrayNoiseGain}, out.state.data());
+    gray_only_row(scratch.cell.data(), scratch.weak.data(), cols, cell_rule(*code, axis, code->cell_px), out.x_px,
+                  scratch.order_safe.data());
+    std::copy_n(scratch.half8.data(), cols, out.amplitude8);
+    state_row(out.amplitude8, scratch.mean8.data(), scratch.half8.data(), scratch.order_safe.data(), cols,
+              {kLeastGraySigmas, kGrayNoiseGain}, out.state);
     return;
   }
   for (std::size_t c = 0; c < axis.channels.size(); ++c) {
     gather_fringe<Pixel>(context, axis.channels[c], scratch.turn[c], scratch.amplitude8[c], row);
   }
-  order_fringes(context, axis, code, scratch);
+  order_fringes(context, axis, code, scratch, out.x_px);
   const PhaseChannel& finest = context.plan->channels[static_cast<std::size_t>(axis.channels[0])];
-  std::copy_n(scratch.amplitude8[0].data(), cols, out.amplitude8.data());
-  state_row(out.amplitude8.data(), scratch.mean8.data(), scratch.half8.data(), scratch.order_safe.data(), cols,
-            {kLeastPhaseSigmas, static_cast<float>(finest.noise_gain)}, out.state.data());
+  std::copy_n(scratch.amplitude8[0].data(), cols, out.amplitude8);
+  state_row(out.amplitude8, scratch.mean8.data(), scratch.half8.data(), scratch.order_safe.data(), cols,
+            {kLeastPhaseSigmas, static_cast<float>(finest.noise_gain)}, out.state);
   mark_saturated_row(context.store.row<const std::uint8_t>(context.plan->flags_plane, row), cols,
-                     exposure.saturation_bit, out.state.data());
-}
-
-// Takes over the pixels that the current exposure measured better.
-void keep_better(const AxisRow& current, const AxisRow& best, int cols) {
-  for (std::size_t i = 0; i < static_cast<std::size_t>(cols); ++i) {
-    const bool valid = current.state[i] == PixelState::kValid;
-    const bool best_valid = best.state[i] == PixelState::kValid;
-    if (valid < best_valid || (valid == best_valid && current.amplitude8[i] <= best.amplitude8[i])) continue;
-    best.x_px[i] = current.x_px[i];
-    best.amplitude8[i] = current.amplitude8[i];
-    best.state[i] = current.state[i];
-  }
+                     exposure.saturation_bit, out.state);
 }
 
 template <class Pixel>
@@ -151,37 +141,54 @@ void make_texture(const RowContext& context, const ExposurePlan& exposure, RowSc
 
 RowScratch::RowScratch(Arena& arena, int cols) {
   const auto count = static_cast<std::size_t>(cols);
-  for (auto& row : turn) row = arena.take<float>("decode scratch", count);
-  for (auto& row : amplitude8) row = arena.take<float>("decode scratch", count);
-  mean8 = arena.take<float>("decode scratch", count);
-  half8 = arena.take<float>("decode scratch", count);
-  code = arena.take<std::uint16_t>("decode scratch", count);
-  weak = arena.take<std::uint16_t>("decode scratch", count);
-  order_safe = arena.take<std::uint8_t>("decode scratch", count);
-  current = take_axis_row(arena, count);
-  for (AxisRow& row : best) row = take_axis_row(arena, count);
+  const auto take = [&]<class T>(std::span<T>& row, std::size_t elements) {
+    row = arena.take<T>("decode scratch", elements);
+  };
+  for (auto& row : turn) take(row, count);
+  for (auto& row : amplitude8) take(row, count);
+  take(mean8, count);
+  take(half8, count);
+  take(bits, kMaxGrayBits * bit_row_bytes(cols));
+  take(level, count);
+  take(reach, count);
+  take(cell, count);
+  take(weak, count);
+  take(order_safe, count);
+  for (auto& row : x_px) take(row, count);
+  for (auto& row : axis_amplitude8) take(row, count);
+  for (auto& row : axis_state) take(row, count);
 }
 
 template <class Pixel>
-void finish_row(const RowContext& context, RowScratch& scratch, int row, std::uint8_t* texture) {
+void finish_row(const RowContext& context, RowScratch& scratch, int row, const RowOutput& out) {
   const auto& exposures = context.plan->exposures;
+  const bool both = out.x_px[0] != nullptr && out.x_px[1] != nullptr;
+  // The first exposure goes straight to the output, all but the modulation and state of a second axis.
+  const auto target = [&](std::size_t a) {
+    return both && a == 1 ? AxisPixels{out.x_px[1], scratch.axis_amplitude8[2].data(), scratch.axis_state[2].data()}
+                          : AxisPixels{out.x_px[a], out.modulation, out.state};
+  };
   for (std::size_t e = 0; e < exposures.size(); ++e) {
     gather_levels<Pixel>(context, exposures[e].reference, scratch, row);
     for (std::size_t a = 0; a < 2; ++a) {
       const AxisPlan& axis = exposures[e].axes[a];
       if (axis.method == Method::kNotCoded) continue;
-      decode_axis<Pixel>(context, exposures[e], axis, scratch, row);
-      if (e == 0) {
-        std::swap(scratch.current, scratch.best[a]);
-      } else {
-        keep_better(scratch.current, scratch.best[a], context.cols);
-      }
+      const AxisPixels further{scratch.x_px[a].data(), scratch.axis_amplitude8[a].data(), scratch.axis_state[a].data()};
+      decode_axis<Pixel>(context, exposures[e], axis, scratch, row, e == 0 ? target(a) : further);
+      if (e > 0) keep_better_row(further, context.cols, target(a));
     }
   }
-  make_texture<Pixel>(context, exposures[exposures.size() / 2], scratch, row, texture);
+  for (std::size_t a = 0; a < 2; ++a) {
+    if (out.x_px[a] != nullptr) hide_unmeasured_row(target(a).state, context.cols, out.x_px[a]);
+  }
+  if (both) {
+    join_axes_row(scratch.axis_amplitude8[2].data(), scratch.axis_state[2].data(), context.cols, out.modulation,
+                  out.state);
+  }
+  make_texture<Pixel>(context, exposures[exposures.size() / 2], scratch, row, out.texture);
 }
 
-template void finish_row<std::uint8_t>(const RowContext&, RowScratch&, int, std::uint8_t*);
-template void finish_row<std::uint16_t>(const RowContext&, RowScratch&, int, std::uint8_t*);
+template void finish_row<std::uint8_t>(const RowContext&, RowScratch&, int, const RowOutput&);
+template void finish_row<std::uint16_t>(const RowContext&, RowScratch&, int, const RowOutput&);
 
 }  // namespace beltpick::decode

@@ -1,6 +1,8 @@
 #include "decode/fold_kernels.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 
 #include "base/camera_noise.hpp"
 #include "base/kernel.hpp"
@@ -13,29 +15,136 @@ constexpr float kWeakSigmas = 3.0F;
 
 #define BELTPICK_INLINE [[gnu::always_inline]] inline
 
-// Without fused operations and in this order, so that all vector units round alike.
-BELTPICK_INLINE std::int16_t scaled_term(std::uint8_t level, std::int16_t weight_q15) {
-  return static_cast<std::int16_t>(((level << 7) * weight_q15 + 0x4000) >> 15);
+// The rounded product of vector units, in the form in which the compiler knows it: both factors 16-bit and in memory.
+BELTPICK_INLINE std::int16_t scaled_term(std::int16_t level_q7, std::int16_t weight_q15) {
+  return static_cast<std::int16_t>((((level_q7 * weight_q15) >> 14) + 1) >> 1);
 }
 
-template <class Pixel, class Sum>
-BELTPICK_INLINE void accumulate_mean(const Pixel* levels, int count, bool first, Sum* mean) {
-  if (first) {
-    for (int i = 0; i < count; ++i) mean[i] = static_cast<Sum>(levels[i]);
-  } else {
-    for (int i = 0; i < count; ++i) mean[i] = static_cast<Sum>(mean[i] + levels[i]);
+constexpr int kBlock = 64;
+using Block = std::int16_t[kBlock];
+
+// A block of pixels of 8 bits; the weights stand once for each pixel.
+template <int kCount, bool kFirst>
+BELTPICK_INLINE void accumulate_block(const std::array<const std::uint8_t*, kMaxTogether>& levels, int first, int count,
+                                      const Block (&wc)[kMaxTogether], const Block (&ws)[kMaxTogether],
+                                      std::int16_t* __restrict cosine, std::int16_t* __restrict sine) {
+  alignas(64) Block level_q7[kCount];
+  for (std::size_t n = 0; n < kCount; ++n) {
+    const std::uint8_t* from = levels[n] + first;
+    for (int i = 0; i < count; ++i) level_q7[n][i] = static_cast<std::int16_t>(from[i] << 7);
+  }
+  for (int i = 0; i < count; ++i) {
+    std::int16_t c = kFirst ? std::int16_t{0} : cosine[first + i];
+    std::int16_t s = kFirst ? std::int16_t{0} : sine[first + i];
+#pragma GCC unroll 4
+    for (std::size_t n = 0; n < kCount; ++n) {
+      c = static_cast<std::int16_t>(c + scaled_term(level_q7[n][i], wc[n][i]));
+      s = static_cast<std::int16_t>(s + scaled_term(level_q7[n][i], ws[n][i]));
+    }
+    cosine[first + i] = c;
+    sine[first + i] = s;
   }
 }
 
-template <class Pixel>
-BELTPICK_INLINE void flag_saturation(const Pixel* levels, int count, Pixel limit, std::uint8_t bit, bool first,
-                                     std::uint8_t* flags) {
-  if (first) {
-    for (int i = 0; i < count; ++i) flags[i] = levels[i] >= limit ? bit : std::uint8_t{0};
-  } else {
-    for (int i = 0; i < count; ++i) {
-      flags[i] = static_cast<std::uint8_t>(flags[i] | (levels[i] >= limit ? bit : std::uint8_t{0}));
+template <int kCount, bool kFirst>
+BELTPICK_INLINE void accumulate(const FringeRows<std::uint8_t>& rows, int count, std::int16_t* __restrict cosine,
+                                std::int16_t* __restrict sine) {
+  alignas(64) Block wc[kMaxTogether];
+  alignas(64) Block ws[kMaxTogether];
+  for (std::size_t n = 0; n < kCount; ++n) {
+    for (int i = 0; i < kBlock; ++i) {
+      wc[n][i] = rows.cosine_weight_q15[n];
+      ws[n][i] = rows.sine_weight_q15[n];
     }
+  }
+  int first = 0;
+  for (; first + kBlock <= count; first += kBlock) {
+    accumulate_block<kCount, kFirst>(rows.levels, first, kBlock, wc, ws, cosine, sine);
+  }
+  accumulate_block<kCount, kFirst>(rows.levels, first, count - first, wc, ws, cosine, sine);
+}
+
+// Without fused operations and frame by frame, so that all vector units and all groupings round alike.
+template <int kCount, bool kFirst>
+BELTPICK_INLINE void accumulate(const FringeRows<std::uint16_t>& rows, int count, float* __restrict cosine,
+                                float* __restrict sine) {
+  const auto wc = rows.cosine_weight;
+  const auto ws = rows.sine_weight;
+  const auto levels = rows.levels;
+  for (int i = 0; i < count; ++i) {
+    float c = kFirst ? 0.0F : cosine[i];
+    float s = kFirst ? 0.0F : sine[i];
+#pragma GCC unroll 4
+    for (std::size_t n = 0; n < kCount; ++n) {
+      const auto level = static_cast<float>(levels[n][i]);
+      c += wc[n] * level;
+      s += ws[n] * level;
+    }
+    cosine[i] = c;
+    sine[i] = s;
+  }
+}
+
+template <int kCount, class Pixel, class Mean>
+BELTPICK_INLINE void accumulate_mean(const FringeRows<Pixel>& rows, int count, Mean* __restrict mean) {
+  const auto levels = rows.levels;
+  if (rows.first) {
+    for (int i = 0; i < count; ++i) mean[i] = static_cast<Mean>(levels[0][i]);
+  } else {
+    for (int i = 0; i < count; ++i) mean[i] = static_cast<Mean>(mean[i] + levels[0][i]);
+  }
+  if constexpr (kCount > 1) {
+    for (int i = 0; i < count; ++i) {
+      Mean m = mean[i];
+#pragma GCC unroll 4
+      for (std::size_t n = 1; n < kCount; ++n) m = static_cast<Mean>(m + levels[n][i]);
+      mean[i] = m;
+    }
+  }
+}
+
+template <int kCount, class Pixel>
+BELTPICK_INLINE void flag_saturation(const FringeRows<Pixel>& rows, int count, std::uint8_t* __restrict flags) {
+  const auto limit = static_cast<Pixel>(std::min<int>(rows.full_scale, std::numeric_limits<Pixel>::max()));
+  const auto levels = rows.levels;
+  const std::uint8_t bit = rows.saturation_bit;
+  const std::uint8_t keep = rows.first_flags ? 0 : 0xFF;
+  for (int i = 0; i < count; ++i) {
+    Pixel most = levels[0][i];
+#pragma GCC unroll 4
+    for (std::size_t n = 1; n < kCount; ++n) most = std::max(most, levels[n][i]);
+    flags[i] = static_cast<std::uint8_t>((flags[i] & keep) | (most >= limit ? bit : 0));
+  }
+}
+
+template <int kCount, class Pixel, class Sum, class Mean>
+BELTPICK_INLINE void fold_together(const FringeRows<Pixel>& rows, int count, Sum* cosine, Sum* sine, Mean* mean,
+                                   std::uint8_t* flags) {
+  if (rows.first) {
+    accumulate<kCount, true>(rows, count, cosine, sine);
+  } else {
+    accumulate<kCount, false>(rows, count, cosine, sine);
+  }
+  if (mean != nullptr) accumulate_mean<kCount>(rows, count, mean);
+  flag_saturation<kCount>(rows, count, flags);
+}
+
+template <class Pixel, class Sum, class Mean>
+BELTPICK_INLINE void fold_fringe(const FringeRows<Pixel>& rows, int count, Sum* cosine, Sum* sine, Mean* mean,
+                                 std::uint8_t* flags) {
+  static_assert(kMaxTogether == 4);
+  switch (rows.count) {
+    case 1:
+      fold_together<1>(rows, count, cosine, sine, mean, flags);
+      return;
+    case 2:
+      fold_together<2>(rows, count, cosine, sine, mean, flags);
+      return;
+    case 3:
+      fold_together<3>(rows, count, cosine, sine, mean, flags);
+      return;
+    default:
+      fold_together<4>(rows, count, cosine, sine, mean, flags);
   }
 }
 
@@ -51,110 +160,124 @@ BELTPICK_INLINE void widen_extremes(const Pixel* levels, int count, bool first, 
   }
 }
 
-// `threshold(i)` gives the level that parts bright from dark, contrast(i) how far (at most) both lie from it.
-template <class Pixel, class ThresholdOf, class ContrastOf>
-BELTPICK_INLINE void resolve(const Pixel* levels, int count, const BitRule& rule, std::uint16_t* code,
-                             std::uint16_t* weak, ThresholdOf threshold, ContrastOf contrast) {
-  const float noise = kWeakSigmas * kWeakSigmas * rule.noise_factor;
+// `middle(i)` gives the level that parts bright from dark, contrast(i) how far (at most) both lie from it.
+template <class Pixel, class MiddleOf, class ContrastOf>
+BELTPICK_INLINE void make_threshold(int count, const ThresholdRule& rule, Pixel* __restrict level,
+                                    Pixel* __restrict reach, MiddleOf middle, ContrastOf contrast) {
+  const float most = static_cast<float>(std::numeric_limits<Pixel>::max());
+  const float noise = kWeakSigmas * kWeakSigmas * rule.noise_factor / (rule.to_level8 * rule.to_level8);
   const float floor = noise * kCameraNoise.floor_variance;
-  const float shot = noise * kCameraNoise.shot_variance_per_level;
-  const float to_level8 = rule.to_level8;
-  const float near = rule.weak_fraction * rule.to_level8;
-  const unsigned flip = rule.inverted ? rule.mask : 0U;
-  const auto mask = rule.mask;
-  const auto keep = static_cast<std::uint16_t>(rule.first ? 0U : 0xFFFFU);
+  const float shot = noise * kCameraNoise.shot_variance_per_level * rule.to_level8;
+  const float near = rule.weak_fraction;
   for (int i = 0; i < count; ++i) {
-    const float middle = threshold(i) * to_level8;
-    const float margin = static_cast<float>(levels[i]) * to_level8 - middle;
+    const float m = middle(i);
     const float within = near * contrast(i);
-    const float weak_squared = std::max(floor + shot * middle, within * within);
-    const unsigned bright = margin > 0.0F ? mask : 0U;
-    const unsigned is_weak = margin * margin < weak_squared ? mask : 0U;
-    code[i] = static_cast<std::uint16_t>((code[i] & keep) | (bright ^ flip));
-    weak[i] = static_cast<std::uint16_t>((weak[i] & keep) | is_weak);
+    const float weak = std::sqrt(std::max(floor + shot * m, within * within));
+    level[i] = static_cast<Pixel>(static_cast<int>(std::min(m, most)));
+    reach[i] = static_cast<Pixel>(static_cast<int>(std::min(std::max(weak + 0.5F, 1.0F), most)));
   }
 }
 
 template <class Pixel>
-BELTPICK_INLINE void resolve_twin(const Pixel* levels, const Pixel* twin, int count, const BitRule& rule,
-                                  std::uint16_t* code, std::uint16_t* weak) {
-  const auto middle = [=](int i) { return 0.5F * (static_cast<float>(levels[i]) + static_cast<float>(twin[i])); };
-  resolve(levels, count, rule, code, weak, middle, middle);
-}
-
-template <class Pixel>
-BELTPICK_INLINE void resolve_midpoint(const Pixel* levels, const Pixel* white, const Pixel* black, int count,
-                                      const BitRule& rule, std::uint16_t* code, std::uint16_t* weak) {
+BELTPICK_INLINE void midpoint_threshold(const Pixel* __restrict white, const Pixel* __restrict black, int count,
+                                        const ThresholdRule& rule, Pixel* __restrict level, Pixel* __restrict reach) {
   const float half = 0.5F * rule.scale;
-  resolve(
-      levels, count, rule, code, weak,
+  make_threshold(
+      count, rule, level, reach,
       [=](int i) { return half * (static_cast<float>(white[i]) + static_cast<float>(black[i])); },
       [=](int i) { return half * (static_cast<float>(white[i]) - static_cast<float>(black[i])); });
 }
 
 template <class Pixel, class Sum>
-BELTPICK_INLINE void resolve_mean(const Pixel* levels, const Sum* mean, int count, const BitRule& rule,
-                                  std::uint16_t* code, std::uint16_t* weak) {
+BELTPICK_INLINE void mean_threshold(const Sum* __restrict mean, int count, const ThresholdRule& rule,
+                                    Pixel* __restrict level, Pixel* __restrict reach) {
   const float scale = rule.scale;
   const auto middle = [=](int i) { return scale * static_cast<float>(mean[i]); };
-  resolve(levels, count, rule, code, weak, middle, middle);
+  make_threshold(count, rule, level, reach, middle, middle);
+}
+
+struct Verdict {
+  std::uint8_t bright, weak;  // 1 or 0
+};
+
+// Packs the verdicts of a row's pixels.
+template <class VerdictOf>
+BELTPICK_INLINE void pack(int count, std::uint8_t* __restrict bits, VerdictOf verdict) {
+  const int width = (count + 7) / 8;
+  std::uint8_t* __restrict bright_row = bits;
+  std::uint8_t* __restrict weak_row = bits + width;
+  const int whole = std::max(0, count - 7 * width);  // bytes all of whose pixels there are
+#pragma GCC ivdep
+  for (int j = 0; j < whole; ++j) {
+    std::uint8_t bright = 0;
+    std::uint8_t weak = 0;
+#pragma GCC unroll 8
+    for (int s = 0; s < 8; ++s) {
+      const Verdict v = verdict(s * width + j);
+      bright = static_cast<std::uint8_t>(bright | v.bright << s);
+      weak = static_cast<std::uint8_t>(weak | v.weak << s);
+    }
+    bright_row[j] = bright;
+    weak_row[j] = weak;
+  }
+  for (int j = whole; j < width; ++j) {
+    unsigned bright = 0;
+    unsigned weak = 0;
+    for (int s = 0; s < 8 && s * width + j < count; ++s) {
+      const Verdict v = verdict(s * width + j);
+      bright |= static_cast<unsigned>(v.bright) << s;
+      weak |= static_cast<unsigned>(v.weak) << s;
+    }
+    bright_row[j] = static_cast<std::uint8_t>(bright);
+    weak_row[j] = static_cast<std::uint8_t>(weak);
+  }
+}
+
+template <class Pixel>
+BELTPICK_INLINE void resolve_levels(const Pixel* __restrict levels, const Pixel* __restrict threshold,
+                                    const Pixel* __restrict reach, int count, bool inverted,
+                                    std::uint8_t* __restrict bits) {
+  const std::uint8_t flip = inverted ? 1 : 0;
+  pack(count, bits, [=](int i) {
+    const Pixel level = levels[i];
+    const Pixel middle = threshold[i];
+    const std::uint8_t bright = level > middle ? 1 : 0;
+    const auto apart = static_cast<Pixel>(std::max(level, middle) - std::min(level, middle));
+    const auto steps = static_cast<Pixel>(apart - bright);  // whole levels between the two sides of the threshold
+    return Verdict{static_cast<std::uint8_t>(bright ^ flip), static_cast<std::uint8_t>(steps < reach[i] ? 1 : 0)};
+  });
+}
+
+template <class Pixel>
+BELTPICK_INLINE void resolve_twin(const Pixel* __restrict upright, const Pixel* __restrict inverted, int count,
+                                  const ThresholdRule& rule, std::uint8_t* __restrict bits) {
+  // The margin is half the difference: its square against the noise, or against the share of the threshold.
+  const float noise = 4.0F * kWeakSigmas * kWeakSigmas * rule.noise_factor / (rule.to_level8 * rule.to_level8);
+  const float floor = noise * kCameraNoise.floor_variance;
+  const float shot = 0.5F * noise * kCameraNoise.shot_variance_per_level * rule.to_level8;
+  const float near = rule.weak_fraction;
+  pack(count, bits, [=](int i) {
+    const auto up = static_cast<float>(upright[i]);
+    const auto down = static_cast<float>(inverted[i]);
+    const float difference = up - down;
+    const float within = near * (up + down);
+    const float weak_squared = std::max(floor + shot * (up + down), within * within);
+    return Verdict{static_cast<std::uint8_t>(upright[i] > inverted[i] ? 1 : 0),
+                   static_cast<std::uint8_t>(difference * difference < weak_squared ? 1 : 0)};
+  });
 }
 
 }  // namespace
 
 BELTPICK_KERNEL
-void accumulate_row(const std::uint8_t* levels, int count, const Accumulate& work, std::int16_t* cosine,
-                    std::int16_t* sine) {
-  const std::int16_t wc = work.cosine_weight_q15;
-  const std::int16_t ws = work.sine_weight_q15;
-  if (work.first) {
-    for (int i = 0; i < count; ++i) {
-      cosine[i] = scaled_term(levels[i], wc);
-      sine[i] = scaled_term(levels[i], ws);
-    }
-  } else {
-    for (int i = 0; i < count; ++i) {
-      cosine[i] = static_cast<std::int16_t>(cosine[i] + scaled_term(levels[i], wc));
-      sine[i] = static_cast<std::int16_t>(sine[i] + scaled_term(levels[i], ws));
-    }
-  }
-}
-
-BELTPICK_KERNEL
-void accumulate_row(const std::uint16_t* levels, int count, const Accumulate& work, float* cosine, float* sine) {
-  const float wc = work.cosine_weight;
-  const float ws = work.sine_weight;
-  if (work.first) {
-    for (int i = 0; i < count; ++i) {
-      cosine[i] = wc * static_cast<float>(levels[i]);
-      sine[i] = ws * static_cast<float>(levels[i]);
-    }
-  } else {
-    for (int i = 0; i < count; ++i) {
-      cosine[i] += wc * static_cast<float>(levels[i]);
-      sine[i] += ws * static_cast<float>(levels[i]);
-    }
-  }
-}
-
-BELTPICK_KERNEL
-void accumulate_mean_row(const std::uint8_t* levels, int count, bool first, std::uint16_t* mean) {
-  accumulate_mean(levels, count, first, mean);
+void accumulate_row(const FringeRows<std::uint8_t>& rows, int count, std::int16_t* cosine, std::int16_t* sine,
+                    std::uint16_t* mean, std::uint8_t* flags) {
+  fold_fringe(rows, count, cosine, sine, mean, flags);
 }
 BELTPICK_KERNEL
-void accumulate_mean_row(const std::uint16_t* levels, int count, bool first, float* mean) {
-  accumulate_mean(levels, count, first, mean);
-}
-
-BELTPICK_KERNEL
-void flag_saturation_row(const std::uint8_t* levels, int count, int full_scale, std::uint8_t bit, bool first,
-                         std::uint8_t* flags) {
-  flag_saturation(levels, count, static_cast<std::uint8_t>(std::min(full_scale, 255)), bit, first, flags);
-}
-BELTPICK_KERNEL
-void flag_saturation_row(const std::uint16_t* levels, int count, int full_scale, std::uint8_t bit, bool first,
-                         std::uint8_t* flags) {
-  flag_saturation(levels, count, static_cast<std::uint16_t>(std::min(full_scale, 65535)), bit, first, flags);
+void accumulate_row(const FringeRows<std::uint16_t>& rows, int count, float* cosine, float* sine, float* mean,
+                    std::uint8_t* flags) {
+  fold_fringe(rows, count, cosine, sine, mean, flags);
 }
 
 BELTPICK_KERNEL
@@ -168,34 +291,45 @@ void widen_extremes_row(const std::uint16_t* levels, int count, bool first, std:
 }
 
 BELTPICK_KERNEL
-void resolve_twin_row(const std::uint8_t* levels, const std::uint8_t* twin, int count, const BitRule& rule,
-                      std::uint16_t* code, std::uint16_t* weak) {
-  resolve_twin(levels, twin, count, rule, code, weak);
+void midpoint_threshold_row(const std::uint8_t* white, const std::uint8_t* black, int count, const ThresholdRule& rule,
+                            std::uint8_t* level, std::uint8_t* reach) {
+  midpoint_threshold(white, black, count, rule, level, reach);
 }
 BELTPICK_KERNEL
-void resolve_twin_row(const std::uint16_t* levels, const std::uint16_t* twin, int count, const BitRule& rule,
-                      std::uint16_t* code, std::uint16_t* weak) {
-  resolve_twin(levels, twin, count, rule, code, weak);
+void midpoint_threshold_row(const std::uint16_t* white, const std::uint16_t* black, int count,
+                            const ThresholdRule& rule, std::uint16_t* level, std::uint16_t* reach) {
+  midpoint_threshold(white, black, count, rule, level, reach);
 }
 BELTPICK_KERNEL
-void resolve_midpoint_row(const std::uint8_t* levels, const std::uint8_t* white, const std::uint8_t* black, int count,
-                          const BitRule& rule, std::uint16_t* code, std::uint16_t* weak) {
-  resolve_midpoint(levels, white, black, count, rule, code, weak);
+void mean_threshold_row(const std::uint16_t* mean, int count, const ThresholdRule& rule, std::uint8_t* level,
+                        std::uint8_t* reach) {
+  mean_threshold(mean, count, rule, level, reach);
 }
 BELTPICK_KERNEL
-void resolve_midpoint_row(const std::uint16_t* levels, const std::uint16_t* white, const std::uint16_t* black,
-                          int count, const BitRule& rule, std::uint16_t* code, std::uint16_t* weak) {
-  resolve_midpoint(levels, white, black, count, rule, code, weak);
+void mean_threshold_row(const float* mean, int count, const ThresholdRule& rule, std::uint16_t* level,
+                        std::uint16_t* reach) {
+  mean_threshold(mean, count, rule, level, reach);
+}
+
+BELTPICK_KERNEL
+void resolve_levels_row(const std::uint8_t* levels, const std::uint8_t* level, const std::uint8_t* reach, int count,
+                        bool inverted, std::uint8_t* bits) {
+  resolve_levels(levels, level, reach, count, inverted, bits);
 }
 BELTPICK_KERNEL
-void resolve_mean_row(const std::uint8_t* levels, const std::uint16_t* mean, int count, const BitRule& rule,
-                      std::uint16_t* code, std::uint16_t* weak) {
-  resolve_mean(levels, mean, count, rule, code, weak);
+void resolve_levels_row(const std::uint16_t* levels, const std::uint16_t* level, const std::uint16_t* reach, int count,
+                        bool inverted, std::uint8_t* bits) {
+  resolve_levels(levels, level, reach, count, inverted, bits);
 }
 BELTPICK_KERNEL
-void resolve_mean_row(const std::uint16_t* levels, const float* mean, int count, const BitRule& rule,
-                      std::uint16_t* code, std::uint16_t* weak) {
-  resolve_mean(levels, mean, count, rule, code, weak);
+void resolve_twin_row(const std::uint8_t* upright, const std::uint8_t* inverted, int count, const ThresholdRule& rule,
+                      std::uint8_t* bits) {
+  resolve_twin(upright, inverted, count, rule, bits);
+}
+BELTPICK_KERNEL
+void resolve_twin_row(const std::uint16_t* upright, const std::uint16_t* inverted, int count, const ThresholdRule& rule,
+                      std::uint8_t* bits) {
+  resolve_twin(upright, inverted, count, rule, bits);
 }
 
 }  // namespace beltpick::decode

@@ -1,56 +1,73 @@
 // What folding does to one row of pixels, for cameras of 8 and of 16 bits. Internal to decode.
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
 
 #include "decode/plan.hpp"
 
 namespace beltpick::decode {
 
-// Adds a phase frame to the sums of its fringe (or sets them when `first`).
+// Frames of one fringe that are added in one go, so that the sums travel to memory and back once for all of them.
+template <class Pixel>
+struct FringeRows {
+  int count = 0;  // 1 .. kMaxTogether
+  std::array<const Pixel*, kMaxTogether> levels{};
+  std::array<float, kMaxTogether> cosine_weight{}, sine_weight{};
+  std::array<std::int16_t, kMaxTogether> cosine_weight_q15{}, sine_weight_q15{};
+  bool first = false;        // sets sums and mean instead of adding to them
+  bool first_flags = false;  // sets the flags instead of adding to them
+  int full_scale = 255;
+  std::uint8_t saturation_bit = 1;
+};
+
+// Adds phase frames to the sums of their fringe and, where `mean` is not null, to their sum.
 //   8 bits: sum += round((level << 7) * weight_q15 / 2^15), rounded term by term; 16 bits: sum += level * weight.
-void accumulate_row(const std::uint8_t* levels, int count, const Accumulate& work, std::int16_t* cosine,
-                    std::int16_t* sine);
-void accumulate_row(const std::uint16_t* levels, int count, const Accumulate& work, float* cosine, float* sine);
-
-void accumulate_mean_row(const std::uint8_t* levels, int count, bool first, std::uint16_t* mean);
-void accumulate_mean_row(const std::uint16_t* levels, int count, bool first, float* mean);
-
-// flags |= bit where the level has reached full_scale.
-void flag_saturation_row(const std::uint8_t* levels, int count, int full_scale, std::uint8_t bit, bool first,
-                         std::uint8_t* flags);
-void flag_saturation_row(const std::uint16_t* levels, int count, int full_scale, std::uint8_t bit, bool first,
-                         std::uint8_t* flags);
+// flags |= saturation_bit where a level has reached full_scale.
+void accumulate_row(const FringeRows<std::uint8_t>& rows, int count, std::int16_t* cosine, std::int16_t* sine,
+                    std::uint16_t* mean, std::uint8_t* flags);
+void accumulate_row(const FringeRows<std::uint16_t>& rows, int count, float* cosine, float* sine, float* mean,
+                    std::uint8_t* flags);
 
 void widen_extremes_row(const std::uint8_t* levels, int count, bool first, std::uint8_t* white, std::uint8_t* black);
 void widen_extremes_row(const std::uint16_t* levels, int count, bool first, std::uint16_t* white, std::uint16_t* black);
 
-// How one Gray frame is turned into bits.
-struct BitRule {
-  std::uint16_t mask = 1;      // of this bit
-  bool inverted = false;       // bright means 0; twins come upright first instead
-  bool first = false;          // sets code and weak instead of adding to them
+// How the level that parts bright from dark is found.
+struct ThresholdRule {
   float to_level8 = 1.0F;      // 255 / full_scale
   float scale = 1.0F;          // of the threshold
   float noise_factor = 1.0F;   // variance of (level - threshold) over that of one grey level
   float weak_fraction = 0.0F;  // see GrayCode
 };
 
-// code |= mask where the level lies above the threshold; weak |= mask where it lies nearer to it than four standard
-// deviations of the camera's noise, or than weak_fraction of half the contrast (of the
-// threshold itself where no black tells the contrast).
-// Threshold: midway to the inverted twin; midway between white and black, times scale; mean times scale.
-void resolve_twin_row(const std::uint8_t* upright, const std::uint8_t* inverted, int count, const BitRule& rule,
-                      std::uint16_t* code, std::uint16_t* weak);
-void resolve_twin_row(const std::uint16_t* upright, const std::uint16_t* inverted, int count, const BitRule& rule,
-                      std::uint16_t* code, std::uint16_t* weak);
-void resolve_midpoint_row(const std::uint8_t* levels, const std::uint8_t* white, const std::uint8_t* black, int count,
-                          const BitRule& rule, std::uint16_t* code, std::uint16_t* weak);
-void resolve_midpoint_row(const std::uint16_t* levels, const std::uint16_t* white, const std::uint16_t* black,
-                          int count, const BitRule& rule, std::uint16_t* code, std::uint16_t* weak);
-void resolve_mean_row(const std::uint8_t* levels, const std::uint16_t* mean, int count, const BitRule& rule,
-                      std::uint16_t* code, std::uint16_t* weak);
-void resolve_mean_row(const std::uint16_t* levels, const float* mean, int count, const BitRule& rule,
-                      std::uint16_t* code, std::uint16_t* weak);
+// A Gray frame's threshold in whole levels: bright is above `level`; a bit is weak where a threshold moved by `reach`
+// levels would turn it: nearer than three standard deviations of the camera's noise, or than weak_fraction of half the
+// contrast (of the threshold itself where no black tells the contrast). At least one level.
+//   midway between white and black, times scale; or mean times scale
+void midpoint_threshold_row(const std::uint8_t* white, const std::uint8_t* black, int count, const ThresholdRule& rule,
+                            std::uint8_t* level, std::uint8_t* reach);
+void midpoint_threshold_row(const std::uint16_t* white, const std::uint16_t* black, int count,
+                            const ThresholdRule& rule, std::uint16_t* level, std::uint16_t* reach);
+void mean_threshold_row(const std::uint16_t* mean, int count, const ThresholdRule& rule, std::uint8_t* level,
+                        std::uint8_t* reach);
+void mean_threshold_row(const float* mean, int count, const ThresholdRule& rule, std::uint16_t* level,
+                        std::uint16_t* reach);
+
+// A row of one Gray bit: bit_row_bytes(count) bytes, the first half for the bits, the second for where they are weak.
+// Bit s of byte j is that of pixel s * W + j, W the bytes of a half: pixels that vector units take together lie beside
+// each other, and packing needs no shuffling.
+constexpr std::size_t bit_row_bytes(int count) { return 2 * ((static_cast<std::size_t>(count) + 7) / 8); }
+
+// Bit 1 where the level lies above the threshold, or below it where `inverted`.
+void resolve_levels_row(const std::uint8_t* levels, const std::uint8_t* level, const std::uint8_t* reach, int count,
+                        bool inverted, std::uint8_t* bits);
+void resolve_levels_row(const std::uint16_t* levels, const std::uint16_t* level, const std::uint16_t* reach, int count,
+                        bool inverted, std::uint8_t* bits);
+// Bit 1 where the upright frame is brighter than its inverted twin; weak as above, the threshold midway between both.
+void resolve_twin_row(const std::uint8_t* upright, const std::uint8_t* inverted, int count, const ThresholdRule& rule,
+                      std::uint8_t* bits);
+void resolve_twin_row(const std::uint16_t* upright, const std::uint16_t* inverted, int count, const ThresholdRule& rule,
+                      std::uint8_t* bits);
 
 }  // namespace beltpick::decode

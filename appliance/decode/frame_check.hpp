@@ -62,8 +62,8 @@ class FrameCheck {
   void begin(int rows, int cols) { probes_.begin(rows, cols); }
 
   template <class Pixel>
-  void sample(int index, ImageView<const Pixel> image) {
-    probes_.sample(index, image);
+  void sample_row(int index, int row, const Pixel* pixels) {
+    probes_.sample_row(index, row, pixels);
   }
 
   // Errors: kFrameBlack, kFrameDuplicated, kSequenceOrderWrong, each naming the frame's file.

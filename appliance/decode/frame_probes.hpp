@@ -2,6 +2,7 @@
 // sequence says. Internal to decode.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <span>
@@ -24,9 +25,18 @@ class FrameProbes {
     cols_ = cols;
   }
 
-  // Keeps the lines of frame `index`.
-  void sample(int index, ImageView<const std::uint8_t> image) { sample_any(index, image); }
-  void sample(int index, ImageView<const std::uint16_t> image) { sample_any(index, image); }
+  // Keeps what of the lines of frame `index` crosses image row `row`: to be called for every row, while the row lies in
+  // the cache.
+  template <class Pixel>
+  void sample_row(int index, int row, const Pixel* pixels) {
+    std::uint16_t* out = &levels_[static_cast<std::size_t>(index) * capacity_];
+    for (int line = 0; line < kRowLines; ++line) {
+      if (row == (2 * line + 1) * rows_ / (2 * kRowLines)) std::copy_n(pixels, cols_, out + line * cols_);
+    }
+    std::uint16_t* down = out + kRowLines * cols_ + row;
+    for (int line = 0; line < kColumnLines; ++line)
+      down[line * rows_] = pixels[(2 * line + 1) * cols_ / (2 * kColumnLines)];
+  }
 
   [[nodiscard]] int frames() const { return max_frames_; }
   [[nodiscard]] int count() const { return kRowLines * cols_ + kColumnLines * rows_; }
@@ -41,19 +51,6 @@ class FrameProbes {
   }
 
  private:
-  template <class Pixel>
-  void sample_any(int index, ImageView<const Pixel> image) {
-    std::uint16_t* out = &levels_[static_cast<std::size_t>(index) * capacity_];
-    for (int line = 0; line < kRowLines; ++line) {
-      const Pixel* row = image.row((2 * line + 1) * rows_ / (2 * kRowLines));
-      for (int c = 0; c < cols_; ++c) *out++ = row[c];
-    }
-    for (int line = 0; line < kColumnLines; ++line) {
-      const int c = (2 * line + 1) * cols_ / (2 * kColumnLines);
-      for (int r = 0; r < rows_; ++r) *out++ = image.row(r)[c];
-    }
-  }
-
   std::size_t capacity_ = 0;  // probes of one frame
   int max_frames_ = 0;
   std::span<std::uint16_t> levels_;

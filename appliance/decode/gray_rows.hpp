@@ -11,36 +11,32 @@ namespace beltpick::decode {
 template <class Pixel>
 using MeanOf = std::conditional_t<sizeof(Pixel) == 1, std::uint16_t, float>;
 
+// The threshold of a bit that has no twin, in whole levels.
 template <class Pixel>
-void resolve_bit_row(const RowContext& context, const GrayCode& code, const ResolveBit& work, const Pixel* levels,
-                     int row, std::uint16_t* bits, std::uint16_t* weak) {
-  const Threshold& threshold = code.bits[static_cast<std::size_t>(work.bit)].threshold;
-  BitRule rule{.mask = static_cast<std::uint16_t>(1U << static_cast<unsigned>(work.bit)),
-               .inverted = work.inverted,
-               .first = work.first,
-               .to_level8 = context.to_level8(),
-               .scale = threshold.scale,
-               .weak_fraction = code.weak_fraction};
-  switch (threshold.kind) {
-    case ThresholdKind::kTwin: {
-      rule.noise_factor = 0.5F;  // half the difference of two frames
-      rule.inverted = false;
-      const Pixel* other = context.store.row<const Pixel>(threshold.plane, row);
-      const Pixel* upright = work.inverted ? other : levels;
-      const Pixel* inverted = work.inverted ? levels : other;
-      resolve_twin_row(upright, inverted, context.cols, rule, bits, weak);
-      return;
-    }
-    case ThresholdKind::kMidpoint:
-      rule.noise_factor = 1.5F;  // one frame against the mean of two
-      resolve_midpoint_row(levels, context.store.row<Pixel>(threshold.plane, row),
-                           context.store.row<Pixel>(threshold.black_plane, row), context.cols, rule, bits, weak);
-      return;
-    case ThresholdKind::kMean:
-      rule.noise_factor = 1.0F + threshold.scale;  // one frame against the mean of N: scale = 1 / N
-      resolve_mean_row(levels, context.store.row<MeanOf<Pixel>>(threshold.plane, row), context.cols, rule, bits, weak);
-      return;
+void threshold_row(const RowContext& context, const GrayCode& code, const Threshold& threshold, int row, Pixel* level,
+                   Pixel* reach) {
+  ThresholdRule rule{.to_level8 = context.to_level8(), .scale = threshold.scale, .weak_fraction = code.weak_fraction};
+  if (threshold.kind == ThresholdKind::kMidpoint) {
+    rule.noise_factor = 1.5F;  // one frame against the mean of two
+    midpoint_threshold_row(context.store.row<const Pixel>(threshold.plane, row),
+                           context.store.row<const Pixel>(threshold.black_plane, row), context.cols, rule, level,
+                           reach);
+  } else {
+    rule.noise_factor = 1.0F + threshold.scale;  // one frame against the mean of N: scale = 1 / N
+    mean_threshold_row(context.store.row<const MeanOf<Pixel>>(threshold.plane, row), context.cols, rule, level, reach);
   }
+}
+
+// The bit of a frame and its twin, of which `levels` came last.
+template <class Pixel>
+void resolve_twins_row(const RowContext& context, const GrayCode& code, const ResolveBit& work, const Pixel* levels,
+                       int row, std::uint8_t* bits) {
+  const Threshold& threshold = code.bits[static_cast<std::size_t>(work.bit)].threshold;
+  const ThresholdRule rule{.to_level8 = context.to_level8(),
+                           .noise_factor = 0.5F,  // half the difference of two frames
+                           .weak_fraction = code.weak_fraction};
+  const Pixel* other = context.store.row<const Pixel>(threshold.plane, row);
+  resolve_twin_row(work.inverted ? other : levels, work.inverted ? levels : other, context.cols, rule, bits);
 }
 
 }  // namespace beltpick::decode

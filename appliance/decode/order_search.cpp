@@ -82,7 +82,8 @@ class OrderSearch {
 
 }  // namespace
 
-void order_search_row(const FoldPlan& plan, const AxisPlan& axis, const GrayCode* code, RowScratch& scratch, int cols) {
+void order_search_row(const FoldPlan& plan, const AxisPlan& axis, const GrayCode* code, RowScratch& scratch, int cols,
+                      float* x_px) {
   const OrderSearch search(plan, axis);
   const auto extent_px = static_cast<float>(axis.extent_px);
   const float last_px = std::nextafter(extent_px - 0.5F, 0.0F);
@@ -91,19 +92,18 @@ void order_search_row(const FoldPlan& plan, const AxisPlan& axis, const GrayCode
   float reach_px = 0.0F;
   if (code != nullptr) {
     const CellRule rule{.cell_px = static_cast<float>(code->cell_px), .cells = code->cells, .extent_px = extent_px};
-    gray_only_row(scratch.code.data(), scratch.weak.data(), cols, rule, scratch.current.x_px.data(),
-                  scratch.order_safe.data());
+    gray_only_row(scratch.cell.data(), scratch.weak.data(), cols, rule, x_px, scratch.order_safe.data());
     reach_px = 0.5F * static_cast<float>(code->cell_px) + 0.25F * search.finest_px();
   }
   for (std::size_t i = 0; i < static_cast<std::size_t>(cols); ++i) {
     Window window{-0.5F - kSlackPx, last_px + kSlackPx};
     if (code != nullptr) {
-      window.first_px = std::max(window.first_px, scratch.current.x_px[i] - reach_px);
-      window.last_px = std::min(window.last_px, scratch.current.x_px[i] + reach_px);
+      window.first_px = std::max(window.first_px, x_px[i] - reach_px);
+      window.last_px = std::min(window.last_px, x_px[i] + reach_px);
     }
     const Order order = search.best(scratch, i, window);
     const bool safe = order.safe && (code == nullptr || scratch.order_safe[i] != 0);
-    scratch.current.x_px[i] = std::clamp(order.x_px, -0.5F, last_px);
+    x_px[i] = std::clamp(order.x_px, -0.5F, last_px);
     scratch.order_safe[i] = safe ? 1 : 0;
   }
 }

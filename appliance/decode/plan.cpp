@@ -8,25 +8,25 @@
 
 namespace beltpick::decode {
 
-int plane_bytes(PlaneKind kind, int pixel_bytes) {
+int plane_bits(PlaneKind kind, int pixel_bytes) {
   switch (kind) {
     case PlaneKind::kSum:
     case PlaneKind::kMean:
-      return 2 * pixel_bytes;
+      return 16 * pixel_bytes;
     case PlaneKind::kRaw:
-      return pixel_bytes;
+      return 8 * pixel_bytes;
     case PlaneKind::kBits:
       return 2;
     case PlaneKind::kFlags:
-      return 1;
+      return 8;
   }
   return 0;
 }
 
 int FoldPlan::state_bytes(int pixel_bytes) const {
-  int bytes = 0;
-  for (const PlaneKind kind : planes) bytes += plane_bytes(kind, pixel_bytes);
-  return bytes;
+  int bits = 0;
+  for (const PlaneKind kind : planes) bits += plane_bits(kind, pixel_bytes);
+  return (bits + 7) / 8;
 }
 
 CodeNoise code_noise(const FoldPlan& plan, Axis axis) {
@@ -44,7 +44,11 @@ Result<FoldPlan> make_fold_plan(const Sequence& sequence) {
   if (sequence.frames.empty()) return failure(ResultCode::kSequenceUndecodable, "the sequence has no frames");
   auto ranks = rank_exposures(sequence);
   if (!ranks) return std::unexpected(ranks.error());
-  return PlanBuilder(sequence, std::move(*ranks)).build();
+  for (int together = kMaxTogether; together > 1; together /= 2) {
+    auto plan = PlanBuilder(sequence, *ranks, together).build();
+    if (!plan || plan->state_bytes(1) <= kStateBytes) return plan;
+  }
+  return PlanBuilder(sequence, std::move(*ranks), 1).build();
 }
 
 }  // namespace beltpick::decode

@@ -16,16 +16,20 @@ namespace beltpick::decode {
 
 inline constexpr int kNone = -1;
 inline constexpr int kMaxExposures = 8;
+inline constexpr std::size_t kMaxTogether = 4;  // phase frames that are added to their sums in one go
+// A sequence that needs less than this for each pixel of 8 bits may spend the rest on keeping phase frames until others
+// can be added together with them; so one axis with white, black, 12 phase steps and 8 Gray bits takes 13.
+inline constexpr int kStateBytes = 16;
 
-// Bytes a pixel for cameras of 8 and of 16 bits.
+// What a pixel takes, for cameras of 8 and of 16 bits.
 enum class PlaneKind : std::uint8_t {
   kSum,    // fringe component: int16 or float
   kMean,   // sum of phase frames: uint16 or float
   kRaw,    // a frame's pixels: uint8 or uint16
-  kBits,   // one bit a Gray frame: uint16
+  kBits,   // a Gray bit and whether it is weak: two bits; rows as fold_kernels.hpp lays them out
   kFlags,  // one bit an exposure: saturated: uint8
 };
-int plane_bytes(PlaneKind kind, int pixel_bytes);
+int plane_bits(PlaneKind kind, int pixel_bytes);
 
 // The fringes of one period: cosine = b cos(phi), sine = b sin(phi), phi = 2 pi x / period_px, by least squares over
 // the frames' phase shifts (which also serves unequal shifts).
@@ -59,11 +63,16 @@ struct Threshold {
   int plane = kNone;        // the twin, white, or the mean
   int black_plane = kNone;  // kMidpoint
   float scale = 1.0F;
+  int level_plane = kNone,
+      reach_plane = kNone;  // the threshold itself, where it is known before the end; not for twins
+
+  bool operator==(const Threshold&) const = default;
 };
 
 struct GrayBit {
   int frame = kNone, twin_frame = kNone;  // upright and inverted; one of them may be missing
-  int raw_plane = kNone;                  // kept until the end because its threshold comes later; else kNone
+  int plane = kNone;                      // of the resolved bit
+  int raw_plane = kNone;                  // instead: kept until the end because its threshold comes later
   Threshold threshold;
 };
 
@@ -71,9 +80,8 @@ struct GrayBit {
 struct GrayCode {
   double cell_px = 0.0;
   int cells = 0;
-  std::vector<GrayBit> bits;                   // least significant first
-  int code_plane = kNone, weak_plane = kNone;  // kNone where every bit waits until the end
-  float weak_fraction = 0.0F;                  // of half the contrast: a bit nearer its threshold counts as weak
+  std::vector<GrayBit> bits;   // least significant first
+  float weak_fraction = 0.0F;  // of half the contrast: a bit nearer its threshold counts as weak
 };
 
 enum class Method : std::uint8_t { kNotCoded, kGrayOnly, kGrayPhase, kSearch };
@@ -98,16 +106,19 @@ struct Accumulate {
   int channel = kNone;
   float cosine_weight = 0.0F, sine_weight = 0.0F;           // a grey level's share of the components
   std::int16_t cosine_weight_q15 = 0, sine_weight_q15 = 0;  // the same for (level << 7) * weight >> 15 in counts
-  bool first = false;                                       // sets the sums instead of adding to them
-  bool first_mean = false;
+  // Frames of this channel that are added when this one arrives: it and `together` - 1 earlier ones, which were kept
+  // until then; 0 where this one is kept itself.
+  int together = 0;
+  std::array<int, kMaxTogether - 1> earlier{};
+  bool first = false;  // sets the sums instead of adding to them
   bool first_flags = false;
   std::uint8_t saturation_bit = 0;
 };
 
 struct ResolveBit {
   int gray = kNone, bit = kNone;
-  bool inverted = false;  // this frame is the inverted one
-  bool first = false;     // sets the code plane instead of adding to it
+  bool inverted = false;           // this frame is the inverted one
+  bool prepare_threshold = false;  // first fills the threshold's planes
 };
 
 // What one frame does. kNone: does not.

@@ -20,7 +20,8 @@ double exposure_ratio(double numerator_us, double denominator_us) {
 
 }  // namespace
 
-PlanBuilder::PlanBuilder(const Sequence& sequence, ExposureRanks ranks) : ranks_(std::move(ranks)) {
+PlanBuilder::PlanBuilder(const Sequence& sequence, ExposureRanks ranks, int together)
+    : together_(together), ranks_(std::move(ranks)) {
   plan_.sequence = sequence;
   plan_.frames.resize(sequence.frames.size());
 }
@@ -46,7 +47,7 @@ Result<FoldPlan> PlanBuilder::build() {
   for (int gray = 0; gray < static_cast<int>(plan_.grays.size()); ++gray) schedule_gray(gray);
   if (!plan_.channels.empty()) plan_.flags_plane = add_plane(PlaneKind::kFlags);
   for (FrameWork& frame : plan_.frames) {
-    if (frame.accumulate.channel == kNone) continue;
+    if (frame.accumulate.channel == kNone || frame.accumulate.together == 0) continue;
     frame.accumulate.first_flags = true;
     break;
   }
@@ -154,13 +155,32 @@ int PlanBuilder::add_channel(const PhaseFit& fit) {
     const double q15 = 256.0 * channel.counts_per_level;  // level << 7, product >> 15
     accumulate.cosine_weight_q15 = static_cast<std::int16_t>(std::lround(q15 * fit.cosine_weight[n]));
     accumulate.sine_weight_q15 = static_cast<std::int16_t>(std::lround(q15 * fit.sine_weight[n]));
-    accumulate.first = accumulate.first_mean = n == 0;
     const int rank = ranks_.rank[static_cast<std::size_t>(fit.frames[n])];
     accumulate.saturation_bit = static_cast<std::uint8_t>(rank < 0 ? 0xFF : 1U << static_cast<unsigned>(rank));
     channel.saturation_bits = accumulate.saturation_bit;
   }
+  group_frames(fit);
   plan_.channels.push_back(channel);
   return static_cast<int>(plan_.channels.size()) - 1;
+}
+
+// Parts a period's frames into groups of nearly the same size; all but the last frame of a group wait for it.
+void PlanBuilder::group_frames(const PhaseFit& fit) {
+  const int frames = static_cast<int>(fit.frames.size());
+  const int groups = (frames + together_ - 1) / together_;
+  for (int group = 0; group < groups; ++group) {
+    const int begin = group * frames / groups;
+    const int last = (group + 1) * frames / groups - 1;
+    const int last_frame = fit.frames[static_cast<std::size_t>(last)];
+    Accumulate& accumulate = work(last_frame).accumulate;
+    accumulate.first = group == 0;
+    accumulate.together = last - begin + 1;
+    for (int n = begin; n < last; ++n) {
+      const int frame = fit.frames[static_cast<std::size_t>(n)];
+      work(frame).keep_plane = borrow_raw_plane(frame, last_frame);
+      accumulate.earlier[static_cast<std::size_t>(n - begin)] = frame;
+    }
+  }
 }
 
 int PlanBuilder::mean_channel(int exposure, Axis axis) const {

@@ -10,7 +10,8 @@ namespace beltpick::decode {
 
 class PlanBuilder {
  public:
-  PlanBuilder(const Sequence& sequence, ExposureRanks ranks);
+  // `together`: at most so many phase frames are added in one go; more take more memory and less time.
+  PlanBuilder(const Sequence& sequence, ExposureRanks ranks, int together);
 
   Result<FoldPlan> build();
 
@@ -19,6 +20,7 @@ class PlanBuilder {
   Result<void> plan_axis(int exposure, Axis axis, AxisPlan& axis_plan);
   Result<void> choose_method(const std::vector<PhaseFit>& fits, const GrayCode& code, Axis axis, AxisPlan& axis_plan);
   int add_channel(const PhaseFit& fit);
+  void group_frames(const PhaseFit& fit);
   Result<int> add_gray(GrayCode code, Axis axis, int exposure);
   Result<void> set_threshold(GrayBit& bit, Axis axis, int exposure);
   // The channel whose mean serves as threshold: the finest of the axis, else of the other one; kNone without fringes.
@@ -31,6 +33,7 @@ class PlanBuilder {
   // Plans when each bit is resolved: as soon as its frame and its threshold are there, else at the end.
   void schedule_gray(int gray);
   void schedule_twins(int gray, int bit);
+  void place_thresholds(GrayCode& code);
   int arrival(const Threshold& threshold) const;
   int add_plane(PlaneKind kind);
   int borrow_raw_plane(int from_frame, int to_frame);
@@ -38,12 +41,13 @@ class PlanBuilder {
   const FrameSpec& spec(int frame) const { return plan_.sequence.frames[static_cast<std::size_t>(frame)]; }
 
   FoldPlan plan_;
+  int together_;
   ExposureRanks ranks_;
   std::vector<int> plane_ready_;  // by plane: the frame after which its content is whole
   struct Loan {
     int plane, from_frame, to_frame;
   };
-  std::vector<Loan> loans_;  // raw planes that twins wait in, shared where their times do not overlap
+  std::vector<Loan> loans_;  // raw planes that frames wait in, shared where their times do not overlap
 };
 
 }  // namespace beltpick::decode

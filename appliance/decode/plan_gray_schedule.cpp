@@ -76,28 +76,48 @@ void PlanBuilder::schedule_twins(int gray, int bit) {
   work(second).resolve = {.gray = gray, .bit = bit, .inverted = second == planned.twin_frame};
 }
 
+// Thresholds that are known before the bits that need them get planes; bits of one threshold share them.
+void PlanBuilder::place_thresholds(GrayCode& code) {
+  const auto frame_of = [](const GrayBit& bit) { return bit.frame != kNone ? bit.frame : bit.twin_frame; };
+  const auto waits_for = [&](const GrayBit& bit, const Threshold& wanted) {
+    return bit.plane != kNone && bit.threshold == wanted;
+  };
+  for (const GrayBit& bit : code.bits) {
+    const Threshold wanted = bit.threshold;
+    if (bit.plane == kNone || wanted.kind == ThresholdKind::kTwin || wanted.level_plane != kNone) continue;
+    int first = frame_of(bit);
+    int last = first;
+    for (const GrayBit& other : code.bits) {
+      if (!waits_for(other, wanted)) continue;
+      first = std::min(first, frame_of(other));
+      last = std::max(last, frame_of(other));
+    }
+    const int level_plane = borrow_raw_plane(first, last + 1);
+    const int reach_plane = borrow_raw_plane(first, last + 1);
+    for (GrayBit& other : code.bits) {
+      if (!waits_for(other, wanted)) continue;
+      other.threshold.level_plane = level_plane;
+      other.threshold.reach_plane = reach_plane;
+    }
+    work(first).resolve.prepare_threshold = true;
+  }
+}
+
 void PlanBuilder::schedule_gray(int gray) {
   GrayCode& code = plan_.grays[static_cast<std::size_t>(gray)];
-  int first_resolving = static_cast<int>(plan_.frames.size());
   for (int b = 0; b < static_cast<int>(code.bits.size()); ++b) {
     GrayBit& bit = code.bits[static_cast<std::size_t>(b)];
+    const int frame = bit.frame != kNone ? bit.frame : bit.twin_frame;
     if (bit.threshold.kind == ThresholdKind::kTwin) {
       schedule_twins(gray, b);
-      first_resolving = std::min(first_resolving, std::max(bit.frame, bit.twin_frame));
-      continue;
-    }
-    const int frame = bit.frame != kNone ? bit.frame : bit.twin_frame;
-    if (arrival(bit.threshold) < frame) {
+    } else if (arrival(bit.threshold) < frame) {
       work(frame).resolve = {.gray = gray, .bit = b, .inverted = bit.frame == kNone};
-      first_resolving = std::min(first_resolving, frame);
     } else {
       bit.raw_plane = work(frame).keep_plane = add_plane(PlaneKind::kRaw);
     }
+    if (bit.raw_plane == kNone) bit.plane = add_plane(PlaneKind::kBits);
   }
-  if (first_resolving == static_cast<int>(plan_.frames.size())) return;
-  work(first_resolving).resolve.first = true;
-  code.code_plane = add_plane(PlaneKind::kBits);
-  code.weak_plane = add_plane(PlaneKind::kBits);
+  place_thresholds(code);
 }
 
 }  // namespace beltpick::decode

@@ -16,10 +16,12 @@ namespace beltpick::decode {
 
 inline constexpr std::size_t kMaxPeriods = 8;  // of one axis
 
-// One axis of one row.
-struct AxisRow {
-  std::span<float> x_px, amplitude8;
-  std::span<PixelState> state;
+// Where a finished row goes; x_px of an axis that is not coded is null.
+struct RowOutput {
+  std::array<float*, 2> x_px{};  // by Axis
+  float* modulation = nullptr;
+  PixelState* state = nullptr;
+  std::uint8_t* texture = nullptr;
 };
 
 // Scratch for one row, taken once.
@@ -29,10 +31,13 @@ struct RowScratch {
 
   std::array<std::span<float>, kMaxPeriods> turn, amplitude8;
   std::span<float> mean8, half8;
-  std::span<std::uint16_t> code, weak;
-  std::span<std::uint8_t> order_safe;
-  AxisRow current;
-  std::array<AxisRow, 2> best;  // by Axis: the best exposure of each pixel
+  std::span<std::uint8_t> bits;           // rows of Gray bits that waited for their threshold
+  std::span<std::uint16_t> level, reach;  // that threshold, as 8- or 16-bit levels
+  std::span<std::uint16_t> cell;          // see cells_row()
+  std::span<std::uint8_t> weak, order_safe;
+  std::array<std::span<float>, 2> x_px;             // of a further exposure, by Axis
+  std::array<std::span<float>, 3> axis_amplitude8;  // of a further exposure by Axis, and of the second axis
+  std::array<std::span<PixelState>, 3> axis_state;
 };
 
 inline constexpr std::size_t kRippleTerms = 6;
@@ -62,8 +67,10 @@ struct RowContext {
 template <class Pixel>
 void fold_row(const RowContext& context, const FrameWork& work, const Pixel* levels, int row);
 
-// Fills scratch.best of every coded axis, and `texture`.
+// Fills `out`. Each step is one kernel over the row's pixels, from and to scratch that stays in the first-level cache;
+// a further step (a correction of `turn`, another reason in `state`) is a kernel more in decode_axis() of
+// finish_row.cpp.
 template <class Pixel>
-void finish_row(const RowContext& context, RowScratch& scratch, int row, std::uint8_t* texture);
+void finish_row(const RowContext& context, RowScratch& scratch, int row, const RowOutput& out);
 
 }  // namespace beltpick::decode

@@ -68,14 +68,16 @@ TEST_CASE("raw frames are kept only where their threshold comes later") {
   add_gray(s, kC, 4, 0, true);
   auto plan = decode::make_fold_plan(s);
   REQUIRE(plan);
-  CHECK(plan->state_bytes(1) == 2 + 2 + 1 + 2);  // code, weak, one waiting frame, extremes
+  CHECK(plan->state_bytes(1) == (8 * 2 + 7) / 8 + 1 + 2);  // eight bits that may be weak, one waiting frame, extremes
 
   s = empty_sequence();
   add_phases(s, kC, 18, 8);
   add_gray(s, kC, 9);
   plan = decode::make_fold_plan(s);
   REQUIRE(plan);
-  CHECK(plan->state_bytes(1) == 4 + 2 + 4 + 1);  // two sums, their mean, code and weak, flags
+  // Two sums and their mean, flags, seven bits that may be weak; three frames that wait to be added together, in whose
+  // memory the threshold lies later.
+  CHECK(plan->state_bytes(1) == 4 + 2 + 1 + 2 + 3);
 }
 
 TEST_CASE("unequal steps are solved by least squares, without more noise than they must have") {
