@@ -195,31 +195,25 @@ void settle_borders_row(const std::uint16_t* __restrict cell, const std::uint8_t
 }
 
 BELTPICK_KERNEL
-void state_row(const float* amplitude8, const float* mean8, const float* half8, const std::uint8_t* order_safe,
-               int count, const StateRule& rule, PixelState* state) {
+void state_row(const float* __restrict amplitude8, const float* __restrict mean8, const float* __restrict half8,
+               const std::uint8_t* __restrict order_safe, const std::uint8_t* __restrict saturated, int count,
+               const StateRule& rule, PixelState* __restrict state, float* __restrict x_px) {
+  constexpr float kNotMeasured = std::numeric_limits<float>::quiet_NaN();
+  constexpr auto kValid = static_cast<int>(PixelState::kValid);
   const float factor = rule.least_sigmas * rule.noise_gain * (rule.least_sigmas * rule.noise_gain);
+  const std::uint8_t* __restrict flags = saturated == nullptr ? order_safe : saturated;
+  const std::uint8_t bit = saturated == nullptr ? std::uint8_t{0} : rule.saturation_bit;
   for (int i = 0; i < count; ++i) {
     const float least = factor * (kCameraNoise.floor_variance + kCameraNoise.shot_variance_per_level * mean8[i]);
-    const bool bright = half8[i] > 0.0F && half8[i] * half8[i] >= least;
-    const bool modulated = amplitude8[i] > 0.0F && amplitude8[i] * amplitude8[i] >= least;
-    const auto weak = static_cast<int>(bright ? PixelState::kLowModulation : PixelState::kDark);
-    const auto order = static_cast<int>(order_safe[i] != 0 ? PixelState::kValid : PixelState::kOrderUncertain);
-    state[i] = static_cast<PixelState>(modulated ? order : weak);
+    const bool bright = (half8[i] > 0.0F) & (half8[i] * half8[i] >= least);
+    const bool modulated = (amplitude8[i] > 0.0F) & (amplitude8[i] * amplitude8[i] >= least);
+    const int weak = static_cast<int>(bright ? PixelState::kLowModulation : PixelState::kDark);
+    const int order = order_safe[i] != 0 ? kValid : static_cast<int>(PixelState::kOrderUncertain);
+    const int measured = modulated ? order : weak;
+    const int told = (flags[i] & bit) != 0 ? static_cast<int>(PixelState::kSaturated) : measured;
+    x_px[i] = told == kValid ? x_px[i] : kNotMeasured;
+    state[i] = static_cast<PixelState>(told);
   }
-}
-
-BELTPICK_KERNEL
-void mark_saturated_row(const std::uint8_t* flags, int count, std::uint8_t bit, PixelState* state) {
-  for (int i = 0; i < count; ++i) {
-    const auto value = static_cast<int>(state[i]);
-    state[i] = static_cast<PixelState>((flags[i] & bit) != 0 ? static_cast<int>(PixelState::kSaturated) : value);
-  }
-}
-
-BELTPICK_KERNEL
-void hide_unmeasured_row(const PixelState* __restrict state, int count, float* __restrict x_px) {
-  constexpr float kNotMeasured = std::numeric_limits<float>::quiet_NaN();
-  for (int i = 0; i < count; ++i) x_px[i] = state[i] == PixelState::kValid ? x_px[i] : kNotMeasured;
 }
 
 BELTPICK_KERNEL

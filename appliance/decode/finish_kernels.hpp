@@ -59,19 +59,17 @@ void settle_borders_row(const std::uint16_t* cell, const std::uint8_t* weak, con
 struct StateRule {
   float least_sigmas = 1.0F;
   float noise_gain = 1.0F;
+  std::uint8_t saturation_bit = 0;
 };
+// kSaturated where `saturated` has the rule's bit; `saturated` may be null. x_px = NaN where the state is not valid.
 void state_row(const float* amplitude8, const float* mean8, const float* half8, const std::uint8_t* order_safe,
-               int count, const StateRule& rule, PixelState* state);
-// kSaturated where flags has the bit.
-void mark_saturated_row(const std::uint8_t* flags, int count, std::uint8_t bit, PixelState* state);
+               const std::uint8_t* saturated, int count, const StateRule& rule, PixelState* state, float* x_px);
 
 // One axis of a row: what an exposure or an axis measured.
 struct AxisPixels {
   float *x_px, *amplitude8;
   PixelState* state;
 };
-// x_px = NaN where the state is not valid.
-void hide_unmeasured_row(const PixelState* state, int count, float* x_px);
 // Takes over the pixels that `current` measured better: valid before not valid, then the greater amplitude.
 void keep_better_row(const AxisPixels& current, int count, const AxisPixels& best);
 // A second axis beside the first: a pixel is valid where either is, and as well modulated as the worse valid one.

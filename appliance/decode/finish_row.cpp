@@ -108,8 +108,8 @@ void decode_axis(const RowContext& context, const ExposurePlan& exposure, const 
     gray_only_row(scratch.cell.data(), scratch.weak.data(), cols, cell_rule(*code, axis, code->cell_px), out.x_px,
                   scratch.order_safe.data());
     std::copy_n(scratch.half8.data(), cols, out.amplitude8);
-    state_row(out.amplitude8, scratch.mean8.data(), scratch.half8.data(), scratch.order_safe.data(), cols,
-              {kLeastGraySigmas, kGrayNoiseGain}, out.state);
+    state_row(out.amplitude8, scratch.mean8.data(), scratch.half8.data(), scratch.order_safe.data(), nullptr, cols,
+              {kLeastGraySigmas, kGrayNoiseGain}, out.state, out.x_px);
     return;
   }
   for (std::size_t c = 0; c < axis.channels.size(); ++c) {
@@ -118,10 +118,9 @@ void decode_axis(const RowContext& context, const ExposurePlan& exposure, const 
   order_fringes(context, axis, code, scratch, out.x_px);
   const PhaseChannel& finest = context.plan->channels[static_cast<std::size_t>(axis.channels[0])];
   std::copy_n(scratch.amplitude8[0].data(), cols, out.amplitude8);
-  state_row(out.amplitude8, scratch.mean8.data(), scratch.half8.data(), scratch.order_safe.data(), cols,
-            {kLeastPhaseSigmas, static_cast<float>(finest.noise_gain)}, out.state);
-  mark_saturated_row(context.store.row<const std::uint8_t>(context.plan->flags_plane, row), cols,
-                     exposure.saturation_bit, out.state);
+  state_row(out.amplitude8, scratch.mean8.data(), scratch.half8.data(), scratch.order_safe.data(),
+            context.store.row<const std::uint8_t>(context.plan->flags_plane, row), cols,
+            {kLeastPhaseSigmas, static_cast<float>(finest.noise_gain), exposure.saturation_bit}, out.state, out.x_px);
 }
 
 template <class Pixel>
@@ -177,9 +176,6 @@ void finish_row(const RowContext& context, RowScratch& scratch, int row, const R
       decode_axis<Pixel>(context, exposures[e], axis, scratch, row, e == 0 ? target(a) : further);
       if (e > 0) keep_better_row(further, context.cols, target(a));
     }
-  }
-  for (std::size_t a = 0; a < 2; ++a) {
-    if (out.x_px[a] != nullptr) hide_unmeasured_row(target(a).state, context.cols, out.x_px[a]);
   }
   if (both) {
     join_axes_row(scratch.axis_amplitude8[2].data(), scratch.axis_state[2].data(), context.cols, out.modulation,

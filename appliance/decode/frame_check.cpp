@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "base/camera_noise.hpp"
+#include "base/kernel.hpp"
 #include "contract/result_codes.hpp"
 
 namespace beltpick::decode {
@@ -12,17 +13,23 @@ constexpr float kLitSigmas = 12.0F;     // contrast over noise of a probe that m
 constexpr int kLeastLit = 300;          // probes; fewer prove nothing
 constexpr float kNothingLevel8 = 4.0F;  // a camera that sees any light at all exceeds this
 
+BELTPICK_KERNEL
+void widen_range(const std::uint16_t* __restrict probes, std::size_t count, float to_level8, float* __restrict low8,
+                 float* __restrict high8) {
+  for (std::size_t i = 0; i < count; ++i) {
+    const float level8 = to_level8 * static_cast<float>(probes[i]);
+    low8[i] = std::min(low8[i], level8);
+    high8[i] = std::max(high8[i], level8);
+  }
+}
+
 void find_extremes(ProbeLevels& levels) {
   const auto count = static_cast<std::size_t>(levels.probes->count());
   std::fill_n(levels.low8.begin(), count, 1e9F);
   std::fill_n(levels.high8.begin(), count, 0.0F);
   for (int f = 0; f < levels.frames(); ++f) {
     if (!levels.of_exposure(f)) continue;
-    for (std::size_t i = 0; i < count; ++i) {
-      const float level8 = levels.level8(f, static_cast<int>(i));
-      levels.low8[i] = std::min(levels.low8[i], level8);
-      levels.high8[i] = std::max(levels.high8[i], level8);
-    }
+    widen_range(levels.probes->levels(f).data(), count, levels.to_level8, levels.low8.data(), levels.high8.data());
   }
   levels.lit_count = 0;
   for (std::size_t i = 0; i < count; ++i) {

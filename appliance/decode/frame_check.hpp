@@ -32,6 +32,11 @@ struct ProbeLevels {
   }
   [[nodiscard]] bool of_exposure(int frame) const { return spec(frame).exposure_us == exposure_us; }
   [[nodiscard]] int frames() const { return static_cast<int>(plan->frames.size()); }
+  // Sums over the image take every so many-th probe: some thousands tell as much as all.
+  [[nodiscard]] int stride() const {
+    constexpr int kEnough = 2500;
+    return probes->count() < 2 * kEnough ? 1 : probes->count() / kEnough;
+  }
 };
 
 // Black and doubled frames, white and black exchanged. Errors: kFrameBlack, kFrameDuplicated, kSequenceOrderWrong.

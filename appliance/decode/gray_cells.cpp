@@ -93,13 +93,18 @@ void spread_block(Block& block, int bits, std::size_t words) {
   }
 }
 
+// The pixels whose bits lay at place s of each byte.
 BELTPICK_KERNEL
-void widen_row(const std::uint8_t* __restrict low, const std::uint8_t* __restrict high, int count,
-               std::uint16_t* __restrict cell) {
-  if (high == nullptr) {
-    for (int i = 0; i < count; ++i) cell[i] = low[i];
-  } else {
+void take_pixels(const Block& block, std::size_t s, bool wide, int count, std::uint16_t* __restrict cell,
+                 std::uint8_t* __restrict weak) {
+  const auto* low = reinterpret_cast<const std::uint8_t*>(block.low[s]);
+  const auto* high = reinterpret_cast<const std::uint8_t*>(block.high[s]);
+  const auto* flags = reinterpret_cast<const std::uint8_t*>(block.weak_out[s]);
+  for (int i = 0; i < count; ++i) weak[i] = flags[i];
+  if (wide) {
     for (int i = 0; i < count; ++i) cell[i] = static_cast<std::uint16_t>(low[i] | high[i] << 8);
+  } else {
+    for (int i = 0; i < count; ++i) cell[i] = low[i];
   }
 }
 
@@ -114,11 +119,11 @@ void cells_row(const std::array<const std::uint8_t*, kMaxGrayBits>& bit_rows, in
     const std::size_t bytes = std::min(kBytes, width - first);
     const std::size_t words = (bytes + 7) / 8;
     for (int b = 0; b < filled; ++b) {
-      const auto at = static_cast<std::size_t>(b);
+      const std::uint8_t* from = b < bits ? bit_rows[static_cast<std::size_t>(b)] + first : nullptr;
       block.code[b][words - 1] = block.weak[b][words - 1] = 0;
-      if (b < bits) {
-        std::memcpy(block.code[b], bit_rows[at] + first, bytes);
-        std::memcpy(block.weak[b], bit_rows[at] + width + first, bytes);
+      if (from != nullptr) {
+        std::memcpy(block.code[b], from, bytes);
+        std::memcpy(block.weak[b], from + width, bytes);
       } else {
         std::fill_n(block.code[b], words, 0);
         std::fill_n(block.weak[b], words, 0);
@@ -129,10 +134,7 @@ void cells_row(const std::array<const std::uint8_t*, kMaxGrayBits>& bit_rows, in
       const std::size_t at = s * width + first;
       if (at >= static_cast<std::size_t>(count)) break;
       const std::size_t pixels = std::min(bytes, static_cast<std::size_t>(count) - at);
-      widen_row(reinterpret_cast<const std::uint8_t*>(block.low[s]),
-                bits <= 8 ? nullptr : reinterpret_cast<const std::uint8_t*>(block.high[s]), static_cast<int>(pixels),
-                cell + at);
-      std::memcpy(weak + at, block.weak_out[s], pixels);
+      take_pixels(block, s, bits > 8, static_cast<int>(pixels), cell + at, weak + at);
     }
   }
 }

@@ -1,4 +1,5 @@
 // Black and doubled frames.
+#include <algorithm>
 #include <cmath>
 
 #include "base/camera_noise.hpp"
@@ -19,13 +20,15 @@ constexpr double kTellingEnergy = 4.0;
 
 float bright_share(const ProbeLevels& levels, int frame) {
   int bright = 0;
-  for (int i = 0; i < levels.probes->count(); ++i) {
+  int lit = 0;
+  for (int i = 0; i < levels.probes->count(); i += levels.stride()) {
     const auto at = static_cast<std::size_t>(i);
     if (levels.lit[at] == 0) continue;
+    ++lit;
     const float contrast = levels.high8[at] - levels.low8[at];
     bright += levels.high8[at] - levels.level8(frame, i) < kDarkShareOfContrast * contrast ? 1 : 0;
   }
-  return static_cast<float>(bright) / static_cast<float>(levels.lit_count);
+  return static_cast<float>(bright) / static_cast<float>(std::max(lit, 1));
 }
 
 const char* name(const ProbeLevels& levels, int frame) { return levels.spec(frame).file.c_str(); }
@@ -101,7 +104,7 @@ Result<void> check_doubled(const ProbeLevels& levels) {
     double difference = 0.0;
     double noise = 0.0;
     double contrast = 0.0;
-    for (int i = 0; i < levels.probes->count(); ++i) {
+    for (int i = 0; i < levels.probes->count(); i += levels.stride()) {
       const auto at = static_cast<std::size_t>(i);
       if (levels.lit[at] == 0) continue;
       const float level8 = levels.level8(f, i);
@@ -125,13 +128,15 @@ Result<void> check_doubled(const ProbeLevels& levels) {
 
 float dark_share(const ProbeLevels& levels, int frame) {
   int dark = 0;
-  for (int i = 0; i < levels.probes->count(); ++i) {
+  int lit = 0;
+  for (int i = 0; i < levels.probes->count(); i += levels.stride()) {
     const auto at = static_cast<std::size_t>(i);
     if (levels.lit[at] == 0) continue;
+    ++lit;
     const float contrast = levels.high8[at] - levels.low8[at];
     dark += levels.level8(frame, i) - levels.low8[at] < kDarkShareOfContrast * contrast ? 1 : 0;
   }
-  return static_cast<float>(dark) / static_cast<float>(levels.lit_count);
+  return static_cast<float>(dark) / static_cast<float>(std::max(lit, 1));
 }
 
 Result<void> check_levels(const ProbeLevels& levels) {

@@ -201,7 +201,7 @@ Result<void> check_fringe(const ProbeLevels& levels, int channel) {
   double left = 0.0;
   double total = 0.0;
   int witnesses = 0;
-  for (int i = 0; i < levels.probes->count(); ++i) {
+  for (int i = 0; i < levels.probes->count(); i += levels.stride()) {
     const auto at = static_cast<std::size_t>(i);
     if (levels.lit[at] == 0 || levels.high8[at] >= 254.0F) continue;
     double sum = 0.0;
@@ -267,7 +267,7 @@ Result<void> check_agreement(const ProbeLevels& levels, Axis axis, const GrayCod
   int witnesses = 0;
   int contrary = 0;
   double offsets_px = 0.0;
-  for (int i = 0; i < levels.probes->count(); ++i) {
+  for (int i = 0; i < levels.probes->count(); i += levels.stride()) {
     std::uint16_t word = 0;
     float turn = 0.0F;
     if (!gray_word(levels, code, i, word) || !phase_at(levels, channel, i, turn)) continue;

@@ -74,7 +74,10 @@ BELTPICK_INLINE void depths(const AxisModel& model, const AxisInput& input, int 
     const float u = ray_u[i];
     const float v = ray_v[i];
     const float across = at(m.across, u, v);
-    const float per_across = 1.0F / across;
+    const float amplitude = std::max(modulation[i], 1e-3F);
+    const float amplitude_squared = amplitude * amplitude;
+    const float per_both = 1.0F / (across * amplitude_squared);  // two quotients for one division
+    const float per_across = per_both * amplitude_squared;
     const Line line{at(m.offset, u, v) * per_across, at(m.slope, u, v) * per_across};
     const float seen = (code_px[i] - m.centre_s) * per_focal;
     float s = seen;
@@ -106,8 +109,7 @@ BELTPICK_INLINE void depths(const AxisModel& model, const AxisInput& input, int 
     // The texture is what white light shows; a fringe's mean is half of it.
     const float level_variance =
         kCameraNoise.floor_variance + (0.5F * kCameraNoise.shot_variance_per_level) * static_cast<float>(texture[i]);
-    const float amplitude = std::max(modulation[i], 1e-3F);
-    const float variance_px = floor_squared + slope_squared * level_variance / (amplitude * amplitude);
+    const float variance_px = floor_squared + slope_squared * level_variance * (per_both * across);
     depth_mm[i] = good ? z : 0.0F;
     sigma_mm[i] = std::sqrt(variance_px * (u * u + v * v + 1.0F)) * mm_per_px;
     if constexpr (kBoth) {
