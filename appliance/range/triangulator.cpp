@@ -7,6 +7,7 @@
 #include "contract/result_codes.hpp"
 #include "range/lens_model.hpp"
 #include "range/lens_strength.hpp"
+#include "range/stream_copy.hpp"
 
 namespace beltpick::range {
 namespace {
@@ -116,13 +117,22 @@ void Triangulator::measure_row(int row) {
 }
 
 void Triangulator::write_points(int row, std::span<const std::uint8_t> flies) {
+  constexpr int kBlock = 256;  // small enough for the first-level cache
+  alignas(64) std::array<float, 3 * kBlock> points;
+  alignas(64) std::array<float, kBlock> sigmas;
   const DepthRow& depths = depths_[static_cast<std::size_t>(row) % 2];
-  const std::size_t at = static_cast<std::size_t>(row) * static_cast<std::size_t>(cols_);
-  const RowCounts counted = point_row(&ray_u_[at], &ray_v_[at], depths.depth_mm.data(), depths.sigma_mm.data(),
-                                      flies.data(), code_.state.row(row), cols_, point_mm_[at].data(), &sigma_mm_[at]);
-  counts_.points += counted.points;
-  counts_.flying += counted.flying;
-  counts_.outside_projector += counted.coded - counted.points - counted.flying;
+  for (int first = 0; first < cols_; first += kBlock) {
+    const int count = std::min(kBlock, cols_ - first);
+    const auto c = static_cast<std::size_t>(first);
+    const std::size_t at = static_cast<std::size_t>(row) * static_cast<std::size_t>(cols_) + c;
+    const RowCounts counted = point_row(&ray_u_[at], &ray_v_[at], &depths.depth_mm[c], &depths.sigma_mm[c], &flies[c],
+                                        code_.state.row(row) + first, count, points.data(), sigmas.data());
+    stream_copy(points.data(), 3 * static_cast<std::size_t>(count), point_mm_[at].data());
+    stream_copy(sigmas.data(), static_cast<std::size_t>(count), &sigma_mm_[at]);
+    counts_.points += counted.points;
+    counts_.flying += counted.flying;
+    counts_.outside_projector += counted.coded - counted.points - counted.flying;
+  }
 }
 
 Result<RangeImage> Triangulator::begin(const CodeImage& code) {
@@ -140,7 +150,9 @@ Result<RangeImage> Triangulator::begin(const CodeImage& code) {
 
 void Triangulator::measure_rows(int first, int end) {
   for (int row = first; row < end; ++row) measure_row(row);
-  if (end == rows_) counts_.outside_projector -= counts_.axes_disagree;
+  if (end < rows_) return;
+  stream_end();
+  counts_.outside_projector -= counts_.axes_disagree;
 }
 
 Result<RangeImage> Triangulator::measure(const CodeImage& code) {
