@@ -1,5 +1,6 @@
 #include "calibrate/observations_io.hpp"
 
+#include <algorithm>
 #include <set>
 
 #include "calibrate/board_corners.hpp"
@@ -61,7 +62,7 @@ std::vector<std::vector<double>> table(JsonObject& object, const char* member, i
 // The corner that a row of numbers tells; the first three are the corner and where the camera sees it.
 ObservedCorner corner_of(const std::vector<double>& numbers) {
   ObservedCorner corner;
-  corner.corner = static_cast<int>(numbers[0]);
+  corner.corner = static_cast<int>(std::clamp(numbers[0], -1.0, 1e6));
   corner.camera_px = {numbers[1], numbers[2]};
   if (numbers.size() < kLitNumbers) {
     corner.no_projector_reason = kUnlitReason;

@@ -1,6 +1,7 @@
 // beltpick calibrate: captures of a plate to the geometry of camera and projector.
 #include "calibrate/calibrate.hpp"
 
+#include <algorithm>
 #include <bit>
 #include <cstdio>
 #include <filesystem>
@@ -78,6 +79,20 @@ std::vector<fs::path> captures_at(const fs::path& path) {
   return found.empty() ? std::vector{path} : found;
 }
 
+bool shows_the_same(const calibrate::ObservedPose& a, const calibrate::ObservedPose& b) {
+  return std::equal(a.corners.begin(), a.corners.end(), b.corners.begin(), b.corners.end(),
+                    [](const auto& one, const auto& other) {
+                      return one.corner == other.corner && one.camera_px.column_px == other.camera_px.column_px &&
+                             one.camera_px.row_px == other.camera_px.row_px;
+                    });
+}
+
+// `detail` without the capture's name before it.
+std::string without_name(std::string_view detail, const std::string& name) {
+  if (detail.starts_with(name + ": ")) detail.remove_prefix(name.size() + 2);
+  return std::string(detail);
+}
+
 // Adds what a capture shows. A capture of another camera or projector than the first is an error.
 Result<void> add_pose(const fs::path& path, const PlateCapture& plate, Observations& seen) {
   const bool first = seen.camera_width == 0;
@@ -98,13 +113,16 @@ Result<void> add_pose(const fs::path& path, const PlateCapture& plate, Observati
                    seen.projector.width, seen.projector.height, plate.camera_width, plate.camera_height,
                    plate.projector.width, plate.projector.height);
   }
-  for (const auto& pose : seen.poses) {
-    if (pose.capture == plate.pose.capture) {
-      seen.left_out.push_back({plate.pose.capture, -1, "a capture of the same id is there already"});
+  calibrate::ObservedPose pose = plate.pose;
+  for (const auto& known : seen.poses) {
+    if (known.capture != pose.capture) continue;
+    if (shows_the_same(known, pose)) {
+      seen.left_out.push_back({contract_io::one_line(path.string()), -1, "the same capture is there already"});
       return {};
     }
+    pose.capture = contract_io::one_line(path.string());  // another folder of the same name
   }
-  seen.poses.push_back(plate.pose);
+  seen.poses.push_back(std::move(pose));
   return {};
 }
 
@@ -128,7 +146,8 @@ Result<void> read_captures(const CalibrateOptions& options, Observations& seen, 
     if (plate) {
       if (auto added = add_pose(paths[i], *plate, seen); !added) return added;
     } else if (costs_one_pose(plate.error().code)) {
-      seen.left_out.push_back({contract_io::one_line(paths[i].string()), -1, plate.error().detail});
+      const std::string name = contract_io::one_line(paths[i].string());
+      seen.left_out.push_back({name, -1, without_name(plate.error().text(), name)});
     } else {
       return std::unexpected(plate.error());
     }
