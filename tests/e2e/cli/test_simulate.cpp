@@ -81,6 +81,6 @@ TEST_CASE("a faulty capture is written as asked, and what cannot be is refused i
   CHECK(refusal("--scene plane --fault melt").find("found 'melt'") != std::string::npos);
   CHECK(refusal("--scene cube").find("plate-on-belt") != std::string::npos);
   CHECK(refusal("--scene plate --board 11").find("--board") != std::string::npos);
-  CHECK(refusal("--scene plate --board 40x30 --square-mm 40").find("smaller --square-mm") != std::string::npos);
+  CHECK(refusal("--scene plate --board 11x8 --square-mm 60").find("smaller --square-mm") != std::string::npos);
   CHECK(refusal("--live --board 11x8").find("emulated or host") != std::string::npos);
 }
