@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "contract/api.hpp"
+#include "contract/exposures.hpp"
 #include "contract/result_codes.hpp"
 #include "contract_io/capture_io.hpp"
 #include "contract_io/file_io.hpp"
@@ -62,12 +63,15 @@ Result<Recipe> parse_members(std::string_view text, const std::string& source, c
   recipe.axes = static_cast<SequenceAxes>(
       root.choice("axes", {kSequenceAxesNames[0], kSequenceAxesNames[1], kSequenceAxesNames[2]}, 0));
   recipe.exposure_us = root.number("exposure_us", {1, kMaxTime_us});
+  recipe.exposures_us = root.number_list("exposures_us", {1, kMaxTime_us}, kMaxExposures);
   recipe.settle_us = root.number("settle_us", {100, kMaxTime_us}, recipe.settle_us);
   recipe.period_us = root.number("period_us", {0, kMaxTime_us}, recipe.period_us);
   recipe.templates = read_templates(root);
   root.finish();
-  if (!document.failed() && recipe.period_us > 0.0 && recipe.settle_us + recipe.exposure_us > recipe.period_us) {
-    root.fail(ResultCode::kValueOutOfRange, "period_us", "0, or at least settle_us + exposure_us",
+  double longest_us = recipe.exposures_us.empty() ? recipe.exposure_us : 0.0;
+  for (const double exposure_us : recipe.exposures_us) longest_us = std::max(longest_us, exposure_us);
+  if (!document.failed() && recipe.period_us > 0.0 && recipe.settle_us + longest_us > recipe.period_us) {
+    root.fail(ResultCode::kValueOutOfRange, "period_us", "0, or at least settle_us + the longest exposure",
               std::to_string(recipe.period_us));
   }
   if (document.failed()) return document.error();
@@ -125,6 +129,7 @@ std::string recipe_text(const Recipe& recipe) {
   }
   json["axes"] = kSequenceAxesNames[static_cast<std::size_t>(recipe.axes)];
   json["exposure_us"] = recipe.exposure_us;
+  if (!recipe.exposures_us.empty()) json["exposures_us"] = recipe.exposures_us;
   json["settle_us"] = recipe.settle_us;
   json["period_us"] = recipe.period_us;
   json["templates"] = recipe.templates;
@@ -175,6 +180,7 @@ Result<Sequence> recipe_sequence(const Recipe& recipe, const ProjectorGrid& proj
         recipe.own_sequence ? "sequence" : recipe.sequence.c_str(), projector.width, projector.height, found.width,
         found.height);
   }
+  if (!recipe.exposures_us.empty()) return at_exposures(*sequence, recipe.exposures_us);
   for (FrameSpec& frame : sequence->frames) {
     if (frame.exposure_us <= 0.0) frame.exposure_us = recipe.exposure_us;
   }

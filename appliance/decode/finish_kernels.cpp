@@ -78,6 +78,7 @@ BELTPICK_INLINE void texture_of(const Pixel* white, int count, float scale, std:
 // Phase noise may put a pixel at the projector's edge this far outside.
 constexpr float kOutsidePx = 1.0F;
 constexpr float kBorderSigmas = 5.0F;
+constexpr float kFullLevel8 = 254.0F;
 
 // 1 where no bit is weak but those at the borders of the cell. Arithmetic: single bits as truth values keep the
 // compiler from vector units.
@@ -205,28 +206,16 @@ void state_row(const float* __restrict amplitude8, const float* __restrict mean8
   const std::uint8_t bit = saturated == nullptr ? std::uint8_t{0} : rule.saturation_bit;
   for (int i = 0; i < count; ++i) {
     const float least = factor * (kCameraNoise.floor_variance + kCameraNoise.shot_variance_per_level * mean8[i]);
-    const bool bright = (half8[i] > 0.0F) & (half8[i] * half8[i] >= least);
+    const float light8 = half8[i] * rule.bright_share;
+    const bool bright = (light8 > 0.0F) & (light8 * light8 >= least);
     const bool modulated = (amplitude8[i] > 0.0F) & (amplitude8[i] * amplitude8[i] >= least);
-    const int weak = static_cast<int>(bright ? PixelState::kLowModulation : PixelState::kDark);
+    const int dim = static_cast<int>(bright ? PixelState::kLowModulation : PixelState::kDark);
+    const int weak = mean8[i] >= kFullLevel8 ? static_cast<int>(PixelState::kSaturated) : dim;
     const int order = order_safe[i] != 0 ? kValid : static_cast<int>(PixelState::kOrderUncertain);
     const int measured = modulated ? order : weak;
     const int told = (flags[i] & bit) != 0 ? static_cast<int>(PixelState::kSaturated) : measured;
     x_px[i] = told == kValid ? x_px[i] : kNotMeasured;
     state[i] = static_cast<PixelState>(told);
-  }
-}
-
-BELTPICK_KERNEL
-void keep_better_row(const AxisPixels& current, int count, const AxisPixels& best) {
-  const AxisPixels from = current;
-  const AxisPixels to = best;
-  for (int i = 0; i < count; ++i) {
-    const bool valid = from.state[i] == PixelState::kValid;
-    const bool best_valid = to.state[i] == PixelState::kValid;
-    const bool better = (valid & !best_valid) | ((valid == best_valid) & (from.amplitude8[i] > to.amplitude8[i]));
-    to.x_px[i] = better ? from.x_px[i] : to.x_px[i];
-    to.amplitude8[i] = better ? from.amplitude8[i] : to.amplitude8[i];
-    to.state[i] = better ? from.state[i] : to.state[i];
   }
 }
 

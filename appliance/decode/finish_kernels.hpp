@@ -55,11 +55,13 @@ void settle_borders_row(const std::uint16_t* cell, const std::uint8_t* weak, con
                         std::uint8_t* order_safe);
 
 // Amplitudes below `least_sigmas` of their noise are not measured; the noise is noise_gain times that of one grey
-// level.
+// level. kDark where even a fringe of `bright_share` of half8 would not be measured; kSaturated where white and black
+// are.
 struct StateRule {
   float least_sigmas = 1.0F;
   float noise_gain = 1.0F;
   std::uint8_t saturation_bit = 0;
+  float bright_share = 1.0F;
 };
 // kSaturated where `saturated` has the rule's bit; `saturated` may be null. x_px = NaN where the state is not valid.
 void state_row(const float* amplitude8, const float* mean8, const float* half8, const std::uint8_t* order_safe,
@@ -70,8 +72,6 @@ struct AxisPixels {
   float *x_px, *amplitude8;
   PixelState* state;
 };
-// Takes over the pixels that `current` measured better: valid before not valid, then the greater amplitude.
-void keep_better_row(const AxisPixels& current, int count, const AxisPixels& best);
 // A second axis beside the first: a pixel is valid where either is, and as well modulated as the worse valid one.
 void join_axes_row(const float* second_amplitude8, const PixelState* second_state, int count, float* modulation,
                    PixelState* state);

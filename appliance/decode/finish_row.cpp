@@ -1,6 +1,7 @@
 #include <algorithm>
 
 #include "base/units.hpp"
+#include "decode/exposure_merge.hpp"
 #include "decode/finish_kernels.hpp"
 #include "decode/gray_cells.hpp"
 #include "decode/gray_rows.hpp"
@@ -14,6 +15,13 @@ namespace {
 // Five standard deviations of phase noise stay within the eighth of a period that a complementary Gray code leaves
 // between a border of its cells and the phase that would contradict it: amplitude / noise >= 5 / (pi / 4).
 constexpr float kLeastPhaseSigmas = 6.4F;
+// A fringe must also tell its place to 0.18 of a projector pixel (some 0.16 mm), unless that asks for much more.
+constexpr double kMostNoisePx = 0.18;
+constexpr float kAmplePhaseSigmas = 16.0F;
+// Where only the mean of the fringes is known, light is there if a fringe of this share of it would be measured.
+constexpr float kLeastContrast = 0.25F;
+// What exposures may differ by without noise: a belt that settles, ambient light that flickers, saturation that starts.
+constexpr float kExposureSlackPx = 0.25F;
 // A bright and a dark Gray stripe lie this many standard deviations from their threshold: one in 100,000 is misread.
 constexpr float kLeastGraySigmas = 4.4F;
 constexpr float kGrayNoiseGain = 1.2247F;  // one frame against the mean of two: sqrt(3 / 2)
@@ -97,6 +105,14 @@ void order_fringes(const RowContext& context, const AxisPlan& axis, const GrayCo
                      scratch.order_safe.data());
 }
 
+StateRule phase_rule(const ExposurePlan& exposure, const PhaseChannel& finest) {
+  const auto sigmas = static_cast<float>(finest.period_px / (2.0 * kPi * kMostNoisePx));
+  return {.least_sigmas = std::clamp(sigmas, kLeastPhaseSigmas, kAmplePhaseSigmas),
+          .noise_gain = static_cast<float>(finest.noise_gain),
+          .saturation_bit = exposure.saturation_bit,
+          .bright_share = exposure.reference.mean_channel == kNone ? 1.0F : kLeastContrast};
+}
+
 // Decodes one axis of one exposure into `out`.
 template <class Pixel>
 void decode_axis(const RowContext& context, const ExposurePlan& exposure, const AxisPlan& axis, RowScratch& scratch,
@@ -119,8 +135,22 @@ void decode_axis(const RowContext& context, const ExposurePlan& exposure, const 
   const PhaseChannel& finest = context.plan->channels[static_cast<std::size_t>(axis.channels[0])];
   std::copy_n(scratch.amplitude8[0].data(), cols, out.amplitude8);
   state_row(out.amplitude8, scratch.mean8.data(), scratch.half8.data(), scratch.order_safe.data(),
-            context.store.row<const std::uint8_t>(context.plan->flags_plane, row), cols,
-            {kLeastPhaseSigmas, static_cast<float>(finest.noise_gain), exposure.saturation_bit}, out.state, out.x_px);
+            context.store.row<const std::uint8_t>(context.plan->flags_plane, row), cols, phase_rule(exposure, finest),
+            out.state, out.x_px);
+}
+
+// What the merge of exposures needs to know of one that lies in `pixels`.
+ExposedRow exposed_row(const FoldPlan& plan, const AxisPlan& axis, const RowScratch& scratch,
+                       const AxisPixels& pixels) {
+  ExposedRow exposed{.axis = pixels, .mean8 = scratch.mean8.data()};
+  if (axis.channels.empty()) {
+    exposed.slack_px = static_cast<float>(plan.grays[static_cast<std::size_t>(axis.gray)].cell_px);
+    return exposed;
+  }
+  const PhaseChannel& finest = plan.channels[static_cast<std::size_t>(axis.channels[0])];
+  exposed.noise_px = static_cast<float>(finest.noise_gain * finest.period_px / (2.0 * kPi));
+  exposed.slack_px = kExposureSlackPx;
+  return exposed;
 }
 
 template <class Pixel>
@@ -156,6 +186,7 @@ RowScratch::RowScratch(Arena& arena, int cols) {
   for (auto& row : x_px) take(row, count);
   for (auto& row : axis_amplitude8) take(row, count);
   for (auto& row : axis_state) take(row, count);
+  for (auto& row : weight) take(row, count);
 }
 
 template <class Pixel>
@@ -173,15 +204,21 @@ void finish_row(const RowContext& context, RowScratch& scratch, int row, const R
       const AxisPlan& axis = exposures[e].axes[a];
       if (axis.method == Method::kNotCoded) continue;
       const AxisPixels further{scratch.x_px[a].data(), scratch.axis_amplitude8[a].data(), scratch.axis_state[a].data()};
-      decode_axis<Pixel>(context, exposures[e], axis, scratch, row, e == 0 ? target(a) : further);
-      if (e > 0) keep_better_row(further, context.cols, target(a));
+      const AxisPixels pixels = e == 0 ? target(a) : further;
+      decode_axis<Pixel>(context, exposures[e], axis, scratch, row, pixels);
+      if (exposures.size() == 1) continue;
+      merge_exposure_row(exposed_row(*context.plan, axis, scratch, pixels), context.cols, e == 0,
+                         {target(a), scratch.weight[a].data()});
     }
+  }
+  make_texture<Pixel>(context, exposures[exposures.size() / 2], scratch, row, out.texture);
+  for (std::size_t a = 0; a < 2 && exposures.size() > 1; ++a) {
+    if (out.x_px[a] != nullptr) finish_merge_row({target(a), scratch.weight[a].data()}, out.texture, context.cols);
   }
   if (both) {
     join_axes_row(scratch.axis_amplitude8[2].data(), scratch.axis_state[2].data(), context.cols, out.modulation,
                   out.state);
   }
-  make_texture<Pixel>(context, exposures[exposures.size() / 2], scratch, row, out.texture);
 }
 
 template void finish_row<std::uint8_t>(const RowContext&, RowScratch&, int, const RowOutput&);

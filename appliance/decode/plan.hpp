@@ -11,11 +11,11 @@
 #include "base/result.hpp"
 #include "base/stages.hpp"
 #include "contract/capture.hpp"
+#include "contract/exposures.hpp"
 
 namespace beltpick::decode {
 
 inline constexpr int kNone = -1;
-inline constexpr int kMaxExposures = 8;
 inline constexpr std::size_t kMaxTogether = 4;  // phase frames that are added to their sums in one go
 // A sequence that needs less than this for each pixel of 8 bits may spend the rest on keeping phase frames until others
 // can be added together with them; so one axis with white, black, 12 phase steps and 8 Gray bits takes 13.

@@ -38,6 +38,7 @@ struct RowScratch {
   std::array<std::span<float>, 2> x_px;             // of a further exposure, by Axis
   std::array<std::span<float>, 3> axis_amplitude8;  // of a further exposure by Axis, and of the second axis
   std::array<std::span<PixelState>, 3> axis_state;
+  std::array<std::span<float>, 2> weight;  // by Axis: of the exposures merged so far
 };
 
 inline constexpr std::size_t kRippleTerms = 6;

@@ -3,6 +3,7 @@
 #include <memory>
 
 #include "commands.hpp"
+#include "contract/exposures.hpp"
 #include "contract/flash_plan.hpp"
 #include "contract/result_codes.hpp"
 #include "contract/sequences.hpp"
@@ -32,6 +33,7 @@ struct PatternOptions {
   FrameTiming timing;
   std::string calibration;
   double distance_mm = 0.0;
+  std::vector<double> exposures_us;
 };
 
 std::string explain(const FrameSpec& frame) {
@@ -144,12 +146,17 @@ Result<Sequence> read_frames(const PatternOptions& options, const Session& sessi
                  kLayouts[static_cast<std::size_t>(found.layout)].data());
 }
 
-Result<Sequence> find_frames(const PatternOptions& options, const Session& session) {
+Result<Sequence> find_base_frames(const PatternOptions& options, const Session& session) {
   const auto named = find_sequence_name(options.sequence);
   if (!named) return read_frames(options, session);
   const auto grid = read_grid(options);
   if (!grid) return std::unexpected(grid.error());
   return make_sequence(*named, *grid, enum_of<SequenceAxes>(options.axes, kSequenceAxesNames));
+}
+
+Result<Sequence> find_frames(const PatternOptions& options, const Session& session) {
+  auto sequence = find_base_frames(options, session);
+  return sequence && !options.exposures_us.empty() ? at_exposures(*sequence, options.exposures_us) : sequence;
 }
 
 Result<SequenceForecast> make_forecast(const PatternOptions& options, const Sequence& sequence, double load_us,
@@ -226,6 +233,10 @@ Run add_patterns(CLI::App& app) {
   app.add_option("--sequence", options->sequence, "fast, standard, robust or a sequence.json (default standard)");
   app.add_option("--axes", options->axes, "what to code of a projector's pixel (default column)")
       ->check(CLI::IsMember(choices(kSequenceAxesNames)));
+  app.add_option("--exposures-us", options->exposures_us,
+                 "HDR: the sequence once at each of these exposures, e.g. 2000,8000,24000")
+      ->delimiter(',')
+      ->check(CLI::Range(1.0, 1e7));
   app.add_option("--layout", options->layout, "the projector's lattice (default square)")
       ->check(CLI::IsMember(choices(kLayouts)));
   app.add_flag(

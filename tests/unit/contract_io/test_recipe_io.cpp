@@ -39,6 +39,29 @@ TEST_CASE("a recipe reads with its defaults, its name and its paths", "[recipe]"
   CHECK(recipe->templates == std::vector<std::string>{"/cells/knuckle.template", "/abs/hub.template"});
 }
 
+TEST_CASE("a recipe of several exposures repeats its sequence", "[recipe]") {
+  const auto recipe = parse(without("period_us", "\"exposures_us\": [2000, 12000]"));
+  REQUIRE(recipe);
+  const ProjectorGrid grid{912, 1140};
+  Warnings warnings;
+  const auto sequence = recipe_sequence(*recipe, grid, warnings);
+  REQUIRE(sequence);
+  const auto once = make_sequence(SequenceName::kStandard, grid, SequenceAxes::kColumn);
+  REQUIRE(once);
+  CHECK(sequence->frames.size() == 2 * once->frames.size());
+  CHECK(sequence->frames.front().exposure_us == 2000.0);
+  CHECK(sequence->frames.back().exposure_us == 12000.0);
+  const auto again = parse(recipe_text(*recipe));
+  REQUIRE(again);
+  CHECK(again->exposures_us == recipe->exposures_us);
+
+  CHECK(parse(without("period_us", "\"exposures_us\": [2000, \"long\"]")).error().code == ResultCode::kFormatInvalid);
+  CHECK(parse(without("period_us", "\"exposures_us\": [2000, 0]")).error().code == ResultCode::kValueOutOfRange);
+  const auto twice = parse(without("period_us", "\"exposures_us\": [2000, 2000]"));
+  REQUIRE(twice);
+  CHECK_FALSE(recipe_sequence(*twice, grid, warnings));
+}
+
 TEST_CASE("a wrong recipe is told by member", "[recipe]") {
   for (const std::string member : {"number", "exposure_us"}) {
     const auto missing = parse(without(member));
