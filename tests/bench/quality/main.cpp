@@ -7,6 +7,7 @@
 // exposures_us=2000,8000           an HDR sequence of these exposures
 // gamma=1.03                       of the projector
 // noise=1                          0: no noise, flicker or sway
+// interreflection=0                1: the light that surfaces throw on each other; parts=vblock has much of it
 // Prints a table, and one line of JSON a row of it.
 #include <cstdio>
 #include <cstdlib>
@@ -37,7 +38,8 @@ Options read_options(int argc, char** argv) {
                   {"parts", "knuckle,elbow,bracket"},
                   {"exposures_us", ""},
                   {"gamma", "1.03"},
-                  {"noise", "1"}};
+                  {"noise", "1"},
+                  {"interreflection", "0"}};
   for (int i = 1; i < argc; ++i) {
     const std::string argument = argv[i];
     const std::size_t at = argument.find('=');
@@ -148,6 +150,7 @@ void run(const Options& options) {
     choice.kind = kind_of(scenes);
     choice.parts = list_of(options.at("parts"));
     choice.render.projector_gamma = std::atof(options.at("gamma").c_str());
+    choice.render.interreflection = std::atof(options.at("interreflection").c_str());
     choice.render.noise = options.at("noise") != "0";
     VirtualCapture capture(choice);
     for (const std::string& name : list_of(options.at("sequence"))) {
