@@ -253,67 +253,69 @@ JsonObject JsonObject::object(std::string_view member) {
 std::size_t JsonObject::length(std::string_view member) {
   const nlohmann::json* found = find(member);
   return found != nullptr && found->is_array() ? found->size() : 0;
-  std::vector<double> JsonObject::number_list(std::string_view member, Between between, std::size_t most) {
-    const std::string expected = "an array of at most " + std::to_string(most) + " " + range_text("numbers", between);
-    const nlohmann::json* value = require(member, expected, true);
-    std::vector<double> out;
-    if (value == nullptr) return out;
-    const bool numbers = value->is_array() && value->size() <= most &&
-                         std::all_of(value->begin(), value->end(), [](const auto& v) { return v.is_number(); });
-    if (!numbers) {
-      fail(ResultCode::kFormatInvalid, member, expected, describe(*value));
-      return out;
-    }
-    for (const nlohmann::json& number : *value) {
-      if (!inside(number.get<double>(), between)) {
-        fail(ResultCode::kValueOutOfRange, member, expected, describe(number));
-        return {};
-      }
-      out.push_back(number.get<double>());
-    }
+}
+
+std::vector<double> JsonObject::number_list(std::string_view member, Between between, std::size_t most) {
+  const std::string expected = "an array of at most " + std::to_string(most) + " " + range_text("numbers", between);
+  const nlohmann::json* value = require(member, expected, true);
+  std::vector<double> out;
+  if (value == nullptr) return out;
+  const bool numbers = value->is_array() && value->size() <= most &&
+                       std::all_of(value->begin(), value->end(), [](const auto& v) { return v.is_number(); });
+  if (!numbers) {
+    fail(ResultCode::kFormatInvalid, member, expected, describe(*value));
     return out;
   }
-
-  std::vector<std::string> JsonObject::texts(std::string_view member) {
-    std::vector<std::string> out;
-    const nlohmann::json* value = require(member, "an array of texts", false);
-    if (value == nullptr) return out;
-    const bool good =
-        value->is_array() && std::all_of(value->begin(), value->end(), [](const auto& v) { return v.is_string(); });
-    if (!good) {
-      fail(ResultCode::kFormatInvalid, member, "an array of texts", describe(*value));
-      return out;
+  for (const nlohmann::json& number : *value) {
+    if (!inside(number.get<double>(), between)) {
+      fail(ResultCode::kValueOutOfRange, member, expected, describe(number));
+      return {};
     }
-    for (const nlohmann::json& text : *value) out.push_back(text.get<std::string>());
+    out.push_back(number.get<double>());
+  }
+  return out;
+}
+
+std::vector<std::string> JsonObject::texts(std::string_view member) {
+  std::vector<std::string> out;
+  const nlohmann::json* value = require(member, "an array of texts", false);
+  if (value == nullptr) return out;
+  const bool good =
+      value->is_array() && std::all_of(value->begin(), value->end(), [](const auto& v) { return v.is_string(); });
+  if (!good) {
+    fail(ResultCode::kFormatInvalid, member, "an array of texts", describe(*value));
     return out;
   }
+  for (const nlohmann::json& text : *value) out.push_back(text.get<std::string>());
+  return out;
+}
 
-  std::vector<JsonObject> JsonObject::objects(std::string_view member) {
-    std::vector<JsonObject> out;
-    const nlohmann::json* value = require(member, "an array of objects", false);
-    if (value == nullptr) return out;
-    if (!value->is_array()) {
-      fail(ResultCode::kFormatInvalid, member, "an array of objects", describe(*value));
-      return out;
-    }
-    for (std::size_t i = 0; i < value->size(); ++i) {
-      const std::string name = path(member) + "[" + std::to_string(i) + "]";
-      if (!(*value)[i].is_object()) {
-        document_->fail(ResultCode::kFormatInvalid, name, "an object", describe((*value)[i]));
-        return {};
-      }
-      out.emplace_back(*document_, &(*value)[i], name);
-    }
+std::vector<JsonObject> JsonObject::objects(std::string_view member) {
+  std::vector<JsonObject> out;
+  const nlohmann::json* value = require(member, "an array of objects", false);
+  if (value == nullptr) return out;
+  if (!value->is_array()) {
+    fail(ResultCode::kFormatInvalid, member, "an array of objects", describe(*value));
     return out;
   }
+  for (std::size_t i = 0; i < value->size(); ++i) {
+    const std::string name = path(member) + "[" + std::to_string(i) + "]";
+    if (!(*value)[i].is_object()) {
+      document_->fail(ResultCode::kFormatInvalid, name, "an object", describe((*value)[i]));
+      return {};
+    }
+    out.emplace_back(*document_, &(*value)[i], name);
+  }
+  return out;
+}
 
-  void JsonObject::finish() {
-    if (value_ == nullptr || document_->failed()) return;
-    for (const auto& [name, value] : value_->items()) {
-      if (std::find(asked_.begin(), asked_.end(), name) == asked_.end()) {
-        document_->warn("unknown member '" + path(name) + "' is ignored; check its spelling");
-      }
+void JsonObject::finish() {
+  if (value_ == nullptr || document_->failed()) return;
+  for (const auto& [name, value] : value_->items()) {
+    if (std::find(asked_.begin(), asked_.end(), name) == asked_.end()) {
+      document_->warn("unknown member '" + path(name) + "' is ignored; check its spelling");
     }
   }
+}
 
 }  // namespace beltpick::contract_io

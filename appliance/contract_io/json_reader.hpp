@@ -82,6 +82,7 @@ class JsonObject {
 
   // How many items the array `member` has; 0 where it is none.
   std::size_t length(std::string_view member);
+
   // Up to `most` numbers; none where the member is missing.
   std::vector<double> number_list(std::string_view member, Between between, std::size_t most);
 
