@@ -54,6 +54,9 @@ class Decoder {
   Result<CodeImage> begin_finish();
   void finish_rows(int first, int end);
 
+  // What the last finish found that is not right, but leaves the capture usable; one line each (see FrameCheck).
+  [[nodiscard]] std::span<const Error> findings() const { return check_.findings(); }
+
  private:
   template <class Pixel>
   Result<void> fold_any(int index, ImageView<const Pixel> image);

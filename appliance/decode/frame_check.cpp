@@ -5,6 +5,7 @@
 #include "base/camera_noise.hpp"
 #include "base/kernel.hpp"
 #include "contract/result_codes.hpp"
+#include "decode/fringe_sums.hpp"
 
 namespace beltpick::decode {
 namespace {
@@ -53,6 +54,7 @@ FrameCheck::FrameCheck(Arena& arena, int rows, int cols, int frames) : probes_(a
   const auto count = static_cast<std::size_t>(FrameProbes::kRowLines * cols + FrameProbes::kColumnLines * rows);
   low8_ = arena.take<float>("frame probes", count);
   high8_ = arena.take<float>("frame probes", count);
+  early8_ = arena.take<float>("frame probes", count);
   lit_ = arena.take<std::uint8_t>("frame probes", count);
   steps_ = arena.take<WordStep>("frame probes", kMaxSteps);
 }
@@ -63,6 +65,7 @@ FrameProbes::FrameProbes(Arena& arena, int rows, int cols, int frames)
       levels_(arena.take<std::uint16_t>("frame probes", capacity_ * static_cast<std::size_t>(frames))) {}
 
 Result<void> FrameCheck::judge(const FoldPlan& plan, int full_scale) {
+  findings_.clear();
   for (std::size_t e = 0; e < plan.exposures.size(); ++e) {
     if (auto judged = judge_exposure(plan, e, full_scale); !judged) return judged;
   }
@@ -77,26 +80,39 @@ Result<void> FrameCheck::judge_exposure(const FoldPlan& plan, std::size_t exposu
                      .exposure_us = plan.exposures[exposure].exposure_us,
                      .low8 = low8_,
                      .high8 = high8_,
-                     .lit = lit_};
+                     .lit = lit_,
+                     .findings = &findings_};
   find_extremes(levels);
   if (*std::max_element(high8_.begin(), high8_.begin() + probes_.count()) < kNothingLevel8) {
     return failure(ResultCode::kFrameBlack, "every frame is black; check the projector and the lens cap");
   }
   if (levels.lit_count < kLeastLit) return {};
+  for (const AxisPlan& axis : plan.exposures[exposure].axes) {
+    if (axis.channels.empty()) continue;
+    if (auto checked = check_focus(levels, axis.channels.front()); !checked) return checked;
+  }
   if (auto checked = check_levels(levels); !checked) return checked;
   for (const Axis axis : {Axis::kColumn, Axis::kRow}) {
-    const AxisPlan& planned = plan.exposures[exposure].axes[static_cast<std::size_t>(axis)];
-    for (const int channel : planned.channels) {
-      if (auto checked = check_fringe(levels, channel); !checked) return checked;
-    }
-    if (planned.gray == kNone) continue;
-    const GrayCode& code = plan.grays[static_cast<std::size_t>(planned.gray)];
-    if (!all_of_exposure(levels, code)) continue;
-    if (auto checked = check_gray(levels, axis, code, steps_); !checked) return checked;
-    if (planned.method != Method::kGrayPhase) continue;
-    if (auto checked = check_agreement(levels, axis, code, planned.channels.front()); !checked) return checked;
+    if (auto checked = judge_axis(levels, exposure, axis); !checked) return checked;
   }
-  return {};
+  return check_motion(levels, early8_);
+}
+
+Result<void> FrameCheck::judge_axis(const ProbeLevels& levels, std::size_t exposure, Axis axis) {
+  const FoldPlan& plan = *levels.plan;
+  const AxisPlan& planned = plan.exposures[exposure].axes[static_cast<std::size_t>(axis)];
+  for (const int channel : planned.channels) {
+    const FringeSums sums = sum_fringe(levels, channel);
+    if (auto checked = check_fringe(levels, channel, sums); !checked) return checked;
+    check_light(levels, sums);
+  }
+  if (planned.gray == kNone) return {};
+  const GrayCode& code = plan.grays[static_cast<std::size_t>(planned.gray)];
+  if (!all_of_exposure(levels, code)) return {};
+  if (auto checked = check_twins(levels, code); !checked) return checked;
+  if (auto checked = check_gray(levels, axis, code, steps_); !checked) return checked;
+  if (planned.method != Method::kGrayPhase) return {};
+  return check_agreement(levels, axis, code, planned.channels.front());
 }
 
 }  // namespace beltpick::decode

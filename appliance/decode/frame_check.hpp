@@ -1,5 +1,6 @@
-// FrameCheck: sees from a few lines of each frame whether a frame is black, shows the pattern of the one before, or
-// stands where another belongs. Speaks up only where it is certain: a lit scene must contradict the sequence plainly.
+// FrameCheck: sees from a few lines of each frame whether a frame is black, missing, shows the pattern of the one
+// before, or stands where another belongs, whether the stripes are sharp, the light steady and the scene at rest.
+// Speaks up only where it is certain: a lit scene must contradict the sequence plainly.
 #pragma once
 
 #include <array>
@@ -8,6 +9,7 @@
 
 #include "base/arena.hpp"
 #include "base/result.hpp"
+#include "decode/findings.hpp"
 #include "decode/frame_probes.hpp"
 #include "decode/plan.hpp"
 
@@ -23,6 +25,7 @@ struct ProbeLevels {
   std::span<float> low8, high8;  // extremes of each probe over the frames of this exposure
   std::span<std::uint8_t> lit;   // 1 where the contrast stands well out of the noise
   int lit_count = 0;
+  Findings* findings = nullptr;  // what does not keep the capture from being used
 
   [[nodiscard]] float level8(int frame, int i) const {
     return to_level8 * static_cast<float>(probes->levels(frame)[static_cast<std::size_t>(i)]);
@@ -41,8 +44,20 @@ struct ProbeLevels {
 
 // Black and doubled frames, white and black exchanged. Errors: kFrameBlack, kFrameDuplicated, kSequenceOrderWrong.
 Result<void> check_levels(const ProbeLevels& levels);
-// The frames of one period form one fringe. Error: kSequenceOrderWrong.
-Result<void> check_fringe(const ProbeLevels& levels, int channel);
+// Fringes stand out where coarser stripes do. Error, or finding where they still serve: kFocusOff.
+Result<void> check_focus(const ProbeLevels& levels, int channel);
+
+struct FringeSums;  // decode/fringe_sums.hpp
+// The frames of one period form one fringe. Errors: kSequenceOrderWrong, kFrameMissing, naming the frames where one
+// mistake explains what they show.
+Result<void> check_fringe(const ProbeLevels& levels, int channel, const FringeSums& sums);
+// Ambient and projected light are the same in every phase frame. Findings: kLightFlickers, kExposureBeats.
+void check_light(const ProbeLevels& levels, const FringeSums& sums);
+// The texture stays where it is. Error, or finding where it moved little: kBeltMovedDuringCapture. `early8` is scratch,
+// one a probe.
+Result<void> check_motion(const ProbeLevels& levels, std::span<float> early8);
+// The frames of a bit are each other's inverse. Error: kSequenceOrderWrong.
+Result<void> check_twins(const ProbeLevels& levels, const GrayCode& code);
 
 // Where along a line of probes a Gray word changes by one bit.
 struct WordStep {
@@ -71,15 +86,20 @@ class FrameCheck {
     probes_.sample_row(index, row, pixels);
   }
 
-  // Errors: kFrameBlack, kFrameDuplicated, kSequenceOrderWrong, each naming the frame's file.
+  // Errors: kFrameBlack, kFrameDuplicated, kFrameMissing, kSequenceOrderWrong, each naming the frame's file; kFocusOff,
+  // kBeltMovedDuringCapture.
   Result<void> judge(const FoldPlan& plan, int full_scale);
+  // Of the last judge().
+  [[nodiscard]] std::span<const Error> findings() const { return findings_.all(); }
 
  private:
   Result<void> judge_exposure(const FoldPlan& plan, std::size_t exposure, int full_scale);
+  Result<void> judge_axis(const ProbeLevels& levels, std::size_t exposure, Axis axis);
 
   static constexpr std::size_t kMaxSteps = 2048;
   FrameProbes probes_;
-  std::span<float> low8_, high8_;
+  Findings findings_;
+  std::span<float> low8_, high8_, early8_;
   std::span<std::uint8_t> lit_;
   std::span<WordStep> steps_;
 };

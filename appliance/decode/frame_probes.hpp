@@ -44,6 +44,8 @@ class FrameProbes {
   [[nodiscard]] std::span<const std::uint16_t> levels(int index) const {
     return levels_.subspan(static_cast<std::size_t>(index) * capacity_, static_cast<std::size_t>(count()));
   }
+  // The probes before this lie along rows of the image, the others along columns.
+  [[nodiscard]] int in_row_lines() const { return kRowLines * cols_; }
   // True where probe `i` and probe i + 1 are neighbours in the image.
   [[nodiscard]] bool joined(int i) const {
     const int in_rows = kRowLines * cols_;

@@ -91,8 +91,10 @@ int dark_frame(const ProbeLevels& levels, const GrayCode& code) {
 }
 
 std::unexpected<Error> black_frame(const ProbeLevels& levels, int frame) {
-  return failure(ResultCode::kFrameBlack, "%s is black, and so the code of the scene contradicts itself",
-                 levels.spec(frame).file.c_str());
+  return failure(
+      ResultCode::kFrameBlack,
+      "%s is black, and so the code of the scene contradicts itself: it was not shown, or a frame before it is missing",
+      levels.spec(frame).file.c_str());
 }
 
 // What would make the steps legal: two bits exchanged, or (a == b) one inverted.
@@ -150,26 +152,6 @@ bool phase_at(const ProbeLevels& levels, int channel, int i, float& turn) {
   return std::hypot(sine, cosine) > 0.1F * (levels.high8[at] - levels.low8[at]);
 }
 
-// A phase frame's shift and weights, looked up once.
-struct FringeFrame {
-  int index = 0;
-  double cosine = 0.0, sine = 0.0, cosine_weight = 0.0, sine_weight = 0.0;
-};
-constexpr std::size_t kMaxFringeFrames = 64;
-
-std::size_t fringe_frames(const ProbeLevels& levels, int channel, std::array<FringeFrame, kMaxFringeFrames>& frames) {
-  std::size_t count = 0;
-  for (int f = 0; f < levels.frames() && count < frames.size(); ++f) {
-    const Accumulate& work = levels.plan->frames[static_cast<std::size_t>(f)].accumulate;
-    if (work.channel != channel) continue;
-    const FrameSpec& spec = levels.spec(f);
-    const double shift = spec.offset_rad + 2.0 * kPi * spec.step / spec.steps;
-    frames[count++] = {f, std::cos(shift), std::sin(shift), static_cast<double>(work.cosine_weight),
-                       static_cast<double>(work.sine_weight)};
-  }
-  return count;
-}
-
 }  // namespace
 
 bool gray_word(const ProbeLevels& levels, const GrayCode& code, int i, std::uint16_t& word) {
@@ -190,51 +172,6 @@ bool gray_word(const ProbeLevels& levels, const GrayCode& code, int i, std::uint
     if (margin > 0.0F) word = static_cast<std::uint16_t>(word | (1U << b));
   }
   return true;
-}
-
-Result<void> check_fringe(const ProbeLevels& levels, int channel) {
-  const PhaseChannel& fringes = levels.plan->channels[static_cast<std::size_t>(channel)];
-  if (fringes.frames < 4 || fringes.exposure_us != levels.exposure_us) return {};  // three frames always fit
-  std::array<FringeFrame, kMaxFringeFrames> frames;
-  const std::size_t count = fringe_frames(levels, channel, frames);
-  if (count != static_cast<std::size_t>(fringes.frames)) return {};
-  double left = 0.0;
-  double total = 0.0;
-  int witnesses = 0;
-  for (int i = 0; i < levels.probes->count(); i += levels.stride()) {
-    const auto at = static_cast<std::size_t>(i);
-    if (levels.lit[at] == 0 || levels.high8[at] >= 254.0F) continue;
-    double sum = 0.0;
-    double squares = 0.0;
-    double cosine = 0.0;
-    double sine = 0.0;
-    double along_cosine = 0.0;
-    double along_sine = 0.0;
-    for (std::size_t n = 0; n < count; ++n) {
-      const FringeFrame& frame = frames[n];
-      const double level8 = levels.level8(frame.index, i);
-      sum += level8;
-      squares += level8 * level8;
-      cosine += frame.cosine_weight * level8;
-      sine += frame.sine_weight * level8;
-      along_cosine += frame.cosine * level8;
-      along_sine -= frame.sine * level8;
-    }
-    // Equal shifts: what the fringe explains of the variance is its amplitude times the frames along it.
-    const double variance = squares - sum * sum / fringes.frames;
-    const double noise =
-        static_cast<double>(kCameraNoise.variance(static_cast<float>(sum / fringes.frames))) * fringes.frames;
-    if (variance < 25.0 * noise) continue;
-    ++witnesses;
-    total += variance;
-    left += std::max(0.0, variance - cosine * along_cosine - sine * along_sine);
-  }
-  constexpr double kMostLeft = 0.3;  // ripple of the projector's gamma leaves some percent
-  if (witnesses < kLeastWitnesses || left < kMostLeft * total) return {};
-  return failure(ResultCode::kSequenceOrderWrong,
-                 "the %d phase frames of period %g px do not form one fringe in their declared order (%.0f %% of their "
-                 "variation is left over); check their steps, and whether a frame is missing or doubled",
-                 fringes.frames, fringes.period_px, 100.0 * left / total);
 }
 
 Result<void> check_gray(const ProbeLevels& levels, Axis axis, const GrayCode& code, std::span<WordStep> steps) {

@@ -57,6 +57,7 @@ class Measure {
   // Of the last finish(); the code until parts are located over the same arena.
   [[nodiscard]] const CodeImage& code() const { return code_; }
   [[nodiscard]] const MeasureTiming& timing() const { return timing_; }
+  [[nodiscard]] std::span<const Error> findings() const { return decoder_.findings(); }
   [[nodiscard]] const range::RangeCounts& counts() const { return triangulator_.counts(); }
 
  private:

@@ -28,6 +28,13 @@ Result<void> fold_all(contract_io::CaptureReader& reader, Stage& stage, contract
   return {};
 }
 
+void warn_of(std::span<const Error> findings, const std::string& name, contract_io::Warnings& warnings) {
+  for (const Error& finding : findings) {
+    warnings.push_back(name + ": " + std::string(finding.text()) + " [" + std::string(result_code_name(finding.code)) +
+                       "]");
+  }
+}
+
 // A Stage over memory of exactly the size it asks for.
 template <class Stage>
 std::unique_ptr<Stage> make_stage(const decode::DecoderLimits& limits, std::unique_ptr<ArenaBlock>& block) {
@@ -100,6 +107,7 @@ Result<void> MeasuredCapture::measure(contract_io::CaptureReader& reader, const 
   if (!range) return std::unexpected(range.error());
   range_ = *range;
   code_ = measure_->code();
+  warn_of(measure_->findings(), header_.id, warnings);
   timing_ = measure_->timing();
   counts_ = measure_->counts();
   return {};

@@ -1,0 +1,201 @@
+// Whether the scene stood still: the texture that the first frames show against that of later ones, along the probes'
+// lines. A later line is the first one moved by s: late = gain (early - s early'), to first order; least squares gives
+// s.
+#include <algorithm>
+#include <cmath>
+
+#include "base/camera_noise.hpp"
+#include "contract/result_codes.hpp"
+#include "decode/frame_check.hpp"
+
+namespace beltpick::decode {
+namespace {
+
+constexpr double kSignificant = 6.0;  // standard deviations
+// A belt that sways by a quarter of a millimetre after its stop shows a twentieth of a pixel.
+constexpr double kTolerated_px = 0.35;
+constexpr double kFar_px = 4.0;
+constexpr double kBeyondLinear_px = 0.25;  // a larger shift is looked for step by step first
+constexpr int kSearched_px = 16;
+constexpr int kLeastProbes = 300;
+constexpr float kBrightShare = 0.75F;  // of the contrast: beyond doubt under a bright stripe
+constexpr int kBorder = 2;             // probes that bright ones must keep off their stripe's border
+constexpr int kReach = 5;  // probes either side whose mean is taken off: what varies slower is light, not texture
+constexpr double kTextureOverNoise = 1.5;
+constexpr double kOfOneTexture = 0.5;  // of the gain that the levels tell: less of the early texture is not it
+
+// The texture under even light that the first frames show.
+struct Early {
+  std::span<float> level8;   // by probe
+  int last_frame = kNone;    // of those that show it; kNone where there is none
+  float noise_share = 1.0F;  // of the variance of one frame
+};
+
+// Sums of the least squares for gain and gain * shift, of levels less their neighbours' mean.
+struct ShiftSums {
+  double ee = 0.0, eg = 0.0, gg = 0.0, le = 0.0, lg = 0.0;
+  double early = 0.0, late = 0.0, noise = 0.0;
+  int probes = 0;
+};
+
+struct Shift {
+  double px = 0.0;
+  bool certain = false;
+};
+
+Shift solve(const ShiftSums& sums) {
+  const double determinant = sums.ee * sums.gg - sums.eg * sums.eg;
+  if (determinant <= 1e-9 * sums.ee * sums.gg) return {};
+  const double gain = (sums.le * sums.gg - sums.lg * sums.eg) / determinant;
+  const double px = -(sums.lg * sums.ee - sums.le * sums.eg) / determinant / gain;
+  const double sigma_px = std::sqrt(sums.ee / determinant) / std::abs(gain);
+  const bool one_texture = gain > kOfOneTexture * sums.late / sums.early;
+  return {px, one_texture && std::abs(px) > kSignificant * sigma_px};
+}
+
+bool bright(const ProbeLevels& levels, int frame, int i) {
+  const auto at = static_cast<std::size_t>(i);
+  const float contrast = levels.high8[at] - levels.low8[at];
+  return levels.lit[at] != 0 && levels.level8(frame, i) > levels.low8[at] + kBrightShare * contrast;
+}
+
+// True where the probes from i - reach to i + reach lie beside each other.
+bool joined(const ProbeLevels& levels, int i, int reach) {
+  const int last = levels.probes->count() - 1;
+  for (int k = i - reach; k < i + reach; ++k) {
+    if (k < 0 || k + 1 > last || !levels.probes->joined(k)) return false;
+  }
+  return true;
+}
+
+// Calls use(i) for the probes of `frame` that lie well within a bright stripe, along rows or columns of the image.
+template <class Use>
+void for_bright(const ProbeLevels& levels, int frame, bool along_rows, Use use) {
+  constexpr int kHalf = kBorder + kReach;
+  int run = 0;  // bright probes up to here
+  const int first = along_rows ? 0 : levels.probes->in_row_lines();
+  const int end = along_rows ? levels.probes->in_row_lines() : levels.probes->count();
+  for (int i = first; i < end; ++i) {
+    run = bright(levels, frame, i) && levels.high8[static_cast<std::size_t>(i)] < 254.0F ? run + 1 : 0;
+    if (run > 2 * kHalf) use(i - kHalf);
+    if (!levels.probes->joined(i)) run = 0;
+  }
+}
+
+// What level(i) has over the mean of its neighbours.
+template <class Level>
+double texture(Level level, int i) {
+  double sum = 0.0;
+  for (int k = i - kReach; k <= i + kReach; ++k) sum += static_cast<double>(level(k));
+  return static_cast<double>(level(i)) - sum / (2 * kReach + 1);
+}
+
+// Least squares about a shift by whole pixels.
+ShiftSums sum_about(const ProbeLevels& levels, const Early& early, int frame, bool along_rows, int whole_px) {
+  ShiftSums sums;
+  const auto early_at = [&](int k) { return early.level8[static_cast<std::size_t>(k - whole_px)]; };
+  const auto slope_at = [&](int k) { return 0.5F * (early_at(k + 1) - early_at(k - 1)); };
+  const auto late_at = [&](int k) { return levels.level8(frame, k); };
+  for_bright(levels, frame, along_rows, [&](int i) {
+    if (!joined(levels, i, std::abs(whole_px) + kReach + 1)) return;
+    const double before = texture(early_at, i);
+    const double steep = texture(slope_at, i);
+    const double after = texture(late_at, i);
+    const double variance = static_cast<double>(kCameraNoise.variance(late_at(i)));
+    sums.ee += before * before / variance;
+    sums.eg += before * steep / variance;
+    sums.gg += steep * steep / variance;
+    sums.le += after * before / variance;
+    sums.lg += after * steep / variance;
+    sums.early += static_cast<double>(early_at(i));
+    sums.late += static_cast<double>(late_at(i));
+    sums.noise += static_cast<double>(early.noise_share * kCameraNoise.variance(early_at(i))) / variance;
+    ++sums.probes;
+  });
+  return sums;
+}
+
+// The shift of `frame` against the early texture, along rows (x) or columns (y) of the image; 0 where none is certain.
+double find_shift(const ProbeLevels& levels, const Early& early, int frame, bool along_rows) {
+  const ShiftSums here = sum_about(levels, early, frame, along_rows, 0);
+  if (here.probes < kLeastProbes || here.ee < kTextureOverNoise * here.noise) return 0.0;
+  Shift shift = solve(here);
+  if (!shift.certain || std::abs(shift.px) > kBeyondLinear_px) {
+    int best_px = 0;
+    double most_alike = here.le / std::sqrt(here.ee);
+    for (int whole_px = -kSearched_px; whole_px <= kSearched_px; ++whole_px) {
+      const ShiftSums sums = sum_about(levels, early, frame, along_rows, whole_px);
+      const double alike = sums.le / std::sqrt(std::max(sums.ee, 1e-9));
+      if (sums.probes < kLeastProbes || alike <= most_alike) continue;
+      most_alike = alike;
+      best_px = whole_px;
+    }
+    shift = solve(sum_about(levels, early, frame, along_rows, best_px));
+    shift.px += best_px;
+  }
+  return shift.certain ? shift.px : 0.0;
+}
+
+// From the white frame, or the mean of the first period's phase frames.
+Early gather_early(const ProbeLevels& levels, std::span<float> early8) {
+  const auto count = static_cast<std::size_t>(levels.probes->count());
+  int channel = kNone;
+  for (int f = 0; f < levels.frames() && channel == kNone; ++f) {
+    if (!levels.of_exposure(f)) continue;
+    if (levels.spec(f).kind == FrameKind::kWhite) {
+      for (std::size_t i = 0; i < count; ++i) early8[i] = levels.level8(f, static_cast<int>(i));
+      return {early8, f, 1.0F};
+    }
+    channel = levels.plan->frames[static_cast<std::size_t>(f)].accumulate.channel;
+  }
+  if (channel == kNone) return {};
+  const PhaseChannel& fringes = levels.plan->channels[static_cast<std::size_t>(channel)];
+  Early early{early8, fringes.last_frame, 1.0F / static_cast<float>(fringes.frames)};
+  std::fill_n(early8.begin(), count, 0.0F);
+  for (int f = 0; f <= fringes.last_frame; ++f) {
+    if (levels.plan->frames[static_cast<std::size_t>(f)].accumulate.channel != channel) continue;
+    for (std::size_t i = 0; i < count; ++i) early8[i] += early.noise_share * levels.level8(f, static_cast<int>(i));
+  }
+  return early;
+}
+
+// Where a frame stands against the early ones.
+struct Farthest {
+  int frame = kNone;
+  double x_px = 0.0, y_px = 0.0;
+
+  [[nodiscard]] double px() const { return std::hypot(x_px, y_px); }
+};
+
+Error moved(const ProbeLevels& levels, const Farthest& at) {
+  return failure(ResultCode::kBeltMovedDuringCapture,
+                 "the scene moved during the capture: by %s it stands %.1f px along the rows and %.1f px along the "
+                 "columns of the image from where the first frames saw it; capture only when the belt stands still",
+                 levels.spec(at.frame).file.c_str(), at.x_px, at.y_px)
+      .error();
+}
+
+}  // namespace
+
+Result<void> check_motion(const ProbeLevels& levels, std::span<float> early8) {
+  const Early early = gather_early(levels, early8);
+  if (early.last_frame == kNone) return {};
+  // One frame may be misled by what its bright stripes happen to show: the second farthest is believed.
+  Farthest first, second;
+  for (int f = early.last_frame + 1; f < levels.frames(); ++f) {
+    const FrameKind kind = levels.spec(f).kind;
+    if (!levels.of_exposure(f) || (kind != FrameKind::kGray && kind != FrameKind::kWhite)) continue;
+    if (levels.spec(f).inverted) continue;  // beside its twin
+    const Farthest here{f, find_shift(levels, early, f, true), find_shift(levels, early, f, false)};
+    if (here.px() > first.px()) second = first;
+    Farthest& beaten = here.px() > first.px() ? first : second;
+    if (here.px() > beaten.px()) beaten = here;
+  }
+  if (second.px() < kTolerated_px) return {};
+  const Error error = moved(levels, second);
+  if (second.px() > kFar_px) return std::unexpected(error);
+  levels.findings->add(error);
+  return {};
+}
+
+}  // namespace beltpick::decode
