@@ -180,15 +180,24 @@ bool PlateCheck::good() const {
 }
 
 std::string PlateCheck::verdict() const {
-  std::string words;
-  for (const CheckedFigure& figure : figures) {
-    if (figure.good()) continue;
-    std::array<char, 200> one{};
-    std::snprintf(one.data(), one.size(), "%s%s %.3f mm (at most %.3f)", words.empty() ? "out of tolerance: " : "; ",
-                  figure.meaning.c_str(), figure.value_mm, figure.limit_mm);
-    words += one.data();
+  if (good()) return "in tolerance";
+  const auto share = [](const CheckedFigure& figure) { return figure.value_mm / figure.limit_mm; };
+  const auto worst = std::max_element(figures.begin(), figures.end(),
+                                      [&](const auto& a, const auto& b) { return share(a) < share(b); });
+  const auto bad = std::count_if(figures.begin(), figures.end(), [](const auto& figure) { return !figure.good(); });
+  std::array<char, 200> words{};
+  std::snprintf(words.data(), words.size(), "out of tolerance: %s %.3f mm (at most %.3f)", worst->meaning.c_str(),
+                worst->value_mm, worst->limit_mm);
+  return words.data() + (bad > 1 ? ", and " + std::to_string(bad - 1) + " more" : std::string());
+}
+
+std::vector<SeenCorner> seen_corners(const Board& board, const ObservedPose& pose) {
+  std::vector<SeenCorner> corners;
+  for (const ObservedCorner& corner : pose.corners) {
+    if (corner.has_projector())
+      corners.push_back({board.flat_mm(corner.corner), corner.camera_px, corner.projector_px});
   }
-  return words.empty() ? "in tolerance" : words;
+  return corners;
 }
 
 Result<PlateCheck> check_plate(const Calibration& calibration, std::span<const SeenCorner> corners, double square_mm,
@@ -214,6 +223,7 @@ Result<PlateCheck> check_plate(const Calibration& calibration, std::span<const S
   const auto camera_alone = fit_plate_pose(calibration, kept, Views::kCamera, start);
   const auto both = fit_plate_pose(calibration, kept, Views::kBoth, start);
   if (!camera_alone || !both) return not_this_plate(off_mm);
+  check.T_camera_plate = both->T_camera_plate;
   for (std::size_t i = 0; i < kept.size(); ++i) check.corners[i].residual = both->residuals[i];
   check.distance_error_mm = distance_error_mm(check.corners, *camera_alone);
   check.projector_shift_px = mean_shift_px(camera_alone->residuals);

@@ -31,7 +31,7 @@ using calibrate::Outcome;
 using contract_io::Json;
 
 struct CalibrateOptions {
-  std::vector<std::string> captures;
+  std::vector<std::string> captures, leave_out;
   std::string board, out, report, resume, id, camera_serial, projector_serial;
   std::string dictionary = "DICT_4X4_100";
   double square_mm = 0.0, marker_mm = 0.0;
@@ -157,6 +157,24 @@ Result<void> read_captures(const CalibrateOptions& options, Observations& seen, 
   return {};
 }
 
+// Takes the captures named by --leave-out out of what was seen.
+Result<void> leave_out_named(const std::vector<std::string>& names, Observations& seen) {
+  for (const std::string& name : names) {
+    const auto found =
+        std::find_if(seen.poses.begin(), seen.poses.end(), [&](const auto& pose) { return pose.capture == name; });
+    if (found == seen.poses.end()) {
+      return failure(ResultCode::kUsage,
+                     "--leave-out: expected the name of a capture that shows the plate, such as '%s', "
+                     "found '%s'",
+                     seen.poses.empty() ? "000" : seen.poses.front().capture.c_str(),
+                     contract_io::one_line(name).substr(0, 60).c_str());
+    }
+    seen.left_out.push_back({name, -1, "left out as asked for"});
+    seen.poses.erase(found);
+  }
+  return {};
+}
+
 Result<Observations> gather(const CalibrateOptions& options, Session& session) {
   Observations seen;
   if (!options.resume.empty()) {
@@ -171,6 +189,7 @@ Result<Observations> gather(const CalibrateOptions& options, Session& session) {
     seen.board = *board;
   }
   if (auto read = read_captures(options, seen, session); !read) return std::unexpected(read.error());
+  if (auto left = leave_out_named(options.leave_out, seen); !left) return std::unexpected(left.error());
   return seen;
 }
 
@@ -273,12 +292,17 @@ Run add_calibrate(CLI::App& app) {
       ->type_name("DIR");
   app.add_option("--resume", options->resume, "calibrate again from kept corners, with further captures if any")
       ->type_name("calibration.observations.json");
+  app.add_option("--leave-out", options->leave_out, "a capture not to use, by its name in the report; repeat for more")
+      ->type_name("NAME")
+      ->expected(1)
+      ->take_all();
   app.add_option("--id", options->id, "of the calibration (default: made from its figures)");
   app.add_option("--camera-serial", options->camera_serial, "of the camera that the appliance then expects");
   app.add_option("--projector-serial", options->projector_serial, "of the projector likewise");
   example(app,
           "  beltpick calibrate plates/* --board 11x8 --square-mm 20 --out calibration.json --report report\n"
           "  beltpick calibrate --resume calibration.observations.json plates/new --out calibration.json\n"
+          "  beltpick calibrate --resume calibration.observations.json --leave-out 007 --out calibration.json\n"
           "  beltpick calibrate diff old.json new.json --cell cell.json");
   return [actions, options](Session& session) {
     return actions->chosen() ? actions->run(session) : run(*options, session);

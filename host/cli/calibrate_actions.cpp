@@ -15,6 +15,7 @@ struct Entry {
 
 constexpr Entry kActions[] = {
     {"diff", "how far apart two calibrations measure, in mm", add_calibrate_diff},
+    {"verify", "whether a calibration still holds, by one capture of the plate", add_calibrate_verify},
     {"belt", "where the belt is, from a capture of it, into cell.json", add_calibrate_belt},
 };
 

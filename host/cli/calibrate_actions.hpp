@@ -12,6 +12,7 @@ namespace beltpick::cli {
 // Each adds an action's options to its own `app` and returns what it does, as the commands of commands.hpp.
 Run add_calibrate_belt(CLI::App& app);
 Run add_calibrate_diff(CLI::App& app);
+Run add_calibrate_verify(CLI::App& app);
 
 class CalibrateActions {
  public:

@@ -1,4 +1,5 @@
-// beltpick calibrate belt: where the belt is, from a capture of the bare belt.
+// beltpick calibrate belt: where the belt is, from a capture of the bare belt or of the plate lying on it.
+#include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
@@ -9,6 +10,7 @@
 #include "contract/result_codes.hpp"
 #include "contract_io/calibration_io.hpp"
 #include "contract_io/file_io.hpp"
+#include "measured_plate.hpp"
 #include "options.hpp"
 #include "segmented_input.hpp"
 
@@ -19,8 +21,12 @@ using calibrate::BeltPlane;
 using calibrate::BeltPose;
 using contract_io::Json;
 
+constexpr double kThicknessTolerance_mm = 0.3;
+
 struct BeltOptions {
   SegmentChoices input;
+  BoardOptions board;
+  double plate_thickness_mm = 0.0;
   std::string out;
 };
 
@@ -79,6 +85,49 @@ Result<Found> find_bare_belt(const BeltOptions& options, const std::optional<Cel
   return found;
 }
 
+// Where the plate's face lies above the belt that is seen round it; nothing where too little of it is seen.
+std::optional<double> height_above_belt_mm(const BeltOptions& options, const calibrate::PlateCheck& check,
+                                           Session& session) {
+  const auto segmented = SegmentedInput::make(options.input, session);
+  if (!segmented || !(*segmented)->objects().belt) return std::nullopt;
+  const auto belt = calibrate::fit_belt_plane((*segmented)->input().range(), *(*segmented)->objects().belt);
+  if (!belt) return std::nullopt;
+  double sum_mm = 0.0;
+  for (const calibrate::MeasuredCorner& corner : check.corners) sum_mm += belt->plane.height_mm(corner.point_mm);
+  const double height_mm = sum_mm / static_cast<double>(check.corners.size());
+  constexpr double kOnThePlate_mm = 0.5;  // it is the plate's own face that carries the view
+  return height_mm > kOnThePlate_mm ? std::optional(height_mm) : std::nullopt;
+}
+
+Result<Found> find_plate_on_belt(const BeltOptions& options, const Calibration& calibration, Session& session) {
+  contract_io::Warnings warnings;
+  const auto check = measure_plate(options.input.input, options.board, calibration, {}, warnings, session.json);
+  if (!check) return std::unexpected(check.error());
+  if (!check->good()) warnings.push_back(options.input.input + ": the calibration no longer fits: " + check->verdict());
+  const auto height_mm = height_above_belt_mm(options, *check, session);
+  char line[300];
+  if (height_mm && std::abs(*height_mm - options.plate_thickness_mm) > kThicknessTolerance_mm) {
+    std::snprintf(
+        line, sizeof line,
+        "%s: the plate's face lies %.2f mm above the belt seen round it, its thickness was given as %.2f mm; does "
+        "it lie flat?",
+        options.input.input.c_str(), *height_mm, options.plate_thickness_mm);
+    warnings.emplace_back(line);
+  }
+  session.warn(warnings);
+  Found found;
+  found.T_belt_camera = calibrate::belt_frame_from(check->T_camera_plate, options.plate_thickness_mm);
+  found.figures = {{"corners", check->corners.size()},
+                   {"calibration_in_tolerance", check->good()},
+                   {"height_above_belt_mm", height_mm ? Json(*height_mm) : Json()}};
+  std::snprintf(
+      line, sizeof line,
+      "origin below the plate's first inner corner, x along its columns, z up, from %zu corners of the plate\n",
+      check->corners.size());
+  found.words = line;
+  return found;
+}
+
 std::string place_of(const BeltPose& T_belt_camera) {
   const Plane plane = calibrate::belt_plane_of(T_belt_camera);
   char line[160];
@@ -89,12 +138,18 @@ std::string place_of(const BeltPose& T_belt_camera) {
 }
 
 Result<void> run(const BeltOptions& options, Session& session) {
+  if (options.board.size.empty() != (options.plate_thickness_mm <= 0.0)) {
+    return failure(ResultCode::kUsage,
+                   "--board and --plate-thickness-mm belong together: the plate on the belt, or neither "
+                   "for the bare belt");
+  }
   contract_io::Warnings warnings;
   const auto calibration = contract_io::read_calibration(options.input.calibration, warnings);
   if (!calibration) return std::unexpected(calibration.error());
   const auto earlier = earlier_cell(options.out, *calibration);
   if (!earlier) return std::unexpected(earlier.error());
-  const auto found = find_bare_belt(options, *earlier, session);
+  const auto found = options.board.size.empty() ? find_bare_belt(options, *earlier, session)
+                                                : find_plate_on_belt(options, *calibration, session);
   if (!found) return std::unexpected(found.error());
   Cell cell;
   cell.calibration_id = calibration->id;
@@ -112,14 +167,20 @@ Result<void> run(const BeltOptions& options, Session& session) {
 
 Run add_calibrate_belt(CLI::App& app) {
   const auto options = std::make_shared<BeltOptions>();
-  app.add_option("CAPTURE", options->input.input, "the bare belt")->required();
+  app.add_option("CAPTURE", options->input.input, "the bare belt, or with --board the plate on it")->required();
   app.add_option("--calibration", options->input.calibration, "of this camera and projector")
       ->required()
       ->type_name("calibration.json");
   app.add_option("--out", options->out, "the cell file; its other members stay where it is there already")
       ->required()
       ->type_name("cell.json");
-  example(app, "  beltpick calibrate belt bare --calibration calibration.json --out cell.json");
+  add_board_options(app, options->board);
+  app.add_option("--plate-thickness-mm", options->plate_thickness_mm, "from the printed face to the belt")
+      ->check(CLI::Range(0.0, 200.0));
+  example(app,
+          "  beltpick calibrate belt bare --calibration calibration.json --out cell.json\n"
+          "  beltpick calibrate belt plate --calibration calibration.json --board 11x8 --square-mm 20 "
+          "--plate-thickness-mm 5 --out cell.json");
   return [options](Session& session) { return run(*options, session); };
 }
 

@@ -1,4 +1,4 @@
-// beltpick calibrate diff, belt: with right and with wrong input.
+// beltpick calibrate diff, belt, verify and --resume: with right and with wrong input.
 #include <catch2/catch.hpp>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -136,4 +136,141 @@ TEST_CASE("calibrate belt refuses what would mislead a robot in one line", "[cal
                     (folder / "new.json").string(),
                 1, "160x120");
   CHECK_FALSE(std::filesystem::exists(folder / "new.json"));
+}
+
+namespace {
+
+constexpr const char* kSmallRig = " --camera 640x480 --projector 456x570 --out ";
+constexpr const char* kBoard = " --board 11x8 --square-mm 20";
+
+void simulate(const std::string& arguments) {
+  const Outcome simulated = beltpick_run("simulate " + arguments);
+  INFO(simulated.err);
+  REQUIRE(simulated.exit_code == 0);
+}
+
+// Holds calibration.json with its observations, from eight plates of a small rig, and on_belt, one more plate of it.
+const TempFolder& calibrated() {
+  static const TempFolder folder;
+  static const bool made = [] {
+    simulate("--scene plate --count 8 --seed 4" + std::string(kSmallRig) + (folder / "plates").string());
+    simulate("--scene plate-on-belt --seed 5" + std::string(kSmallRig) + (folder / "on_belt").string());
+    const Outcome outcome =
+        beltpick_run("calibrate " + (folder / "plates").string() + kBoard + " --out " +
+                     (folder / "calibration.json").string() + " --report " + (folder / "report").string());
+    INFO(outcome.err);
+    REQUIRE(outcome.exit_code == 0);
+    return true;
+  }();
+  (void)made;
+  return folder;
+}
+
+std::string calibration_option() { return " --calibration " + (calibrated() / "calibration.json").string(); }
+
+}  // namespace
+
+TEST_CASE("calibrate verify says of one plate that the calibration holds, and that a drifted one does not",
+          "[calibrate]") {
+  const std::string capture = (calibrated() / "on_belt").string();
+  const Outcome good = beltpick_run("calibrate verify " + capture + calibration_option() + kBoard + " --json");
+  INFO(good.err);
+  REQUIRE(good.exit_code == 0);
+  const auto answer = nlohmann::json::parse(good.out);
+  CHECK(answer["good"] == true);
+  CHECK(answer["corners"] == 88);
+  CHECK(answer["figures"].size() == 7);
+  CHECK(std::abs(answer["distance_error_mm"].get<double>()) < 0.05);
+
+  const TempFolder folder;
+  const std::string drifted = (folder / "drifted").string();
+  simulate("--scene plate-on-belt --seed 5 --drift-px 0.2" + std::string(kSmallRig) + drifted);
+  const Outcome bad = beltpick_run("calibrate verify " + drifted + calibration_option() + kBoard + " --json");
+  INFO(bad.err);
+  CHECK(bad.exit_code == 1);
+  CHECK(bad.error_lines() == 1);
+  CHECK(bad.err.find("out of tolerance") != std::string::npos);
+  CHECK(bad.err.find("[CHECK_FAILED]") != std::string::npos);
+  CHECK(nlohmann::json::parse(bad.out)["good"] == false);
+  const Outcome wide = beltpick_run("calibrate verify " + drifted + calibration_option() + kBoard + " --plate-mm 5");
+  CHECK(wide.exit_code == 0);
+}
+
+TEST_CASE("calibrate verify refuses what is no check in one line", "[calibrate]") {
+  const std::string capture = (calibrated() / "on_belt").string();
+  const std::string verify = "calibrate verify " + capture + calibration_option();
+  check_refused(verify, 2, "--board");
+  check_refused(verify + " --board 11x8", 2, "--square-mm");
+  check_refused(verify + " --board eleven --square-mm 20", 2, "--board");
+  check_refused(verify + " --board 9x6 --square-mm 20", 1, "no 9x6 chessboard found");
+  check_refused(verify + " --board 11x8 --square-mm 30", 1, "--square-mm");
+  check_refused("calibrate verify " + capture + " --calibration " + scene_file("calibration.json") + kBoard, 1,
+                "640x480");
+  check_refused("calibrate verify " + (bare_belt() / "bare").string() + calibration_option() + kBoard, 1, "both axes");
+}
+
+TEST_CASE("calibrate belt takes the belt's frame from the plate on it", "[calibrate]") {
+  const TempFolder folder;
+  const std::string capture = (calibrated() / "on_belt").string();
+  const std::string cell = (folder / "cell.json").string();
+  // With the rig's own calibration, whose camera frame is the truth's.
+  const std::string belt =
+      "calibrate belt " + capture + " --calibration " + capture + "/calibration.json --out " + cell;
+  const Outcome outcome = beltpick_run(belt + kBoard + " --plate-thickness-mm 5 --json");
+  INFO(outcome.err);
+  REQUIRE(outcome.exit_code == 0);
+  CHECK(outcome.err.empty());
+  CHECK(nlohmann::json::parse(outcome.out)["height_above_belt_mm"].get<double>() == Approx(5.0).margin(0.05));
+  const auto found = json_of(cell)["belt_from_camera"];
+  const auto plate = json_of(capture + "/truth.json")["plate"];
+  // The first inner corner lies 5 mm above the origin, the last of its row 200 mm along x.
+  const auto pose = plate["pose_camera"];
+  const auto in_belt = [&](double x_mm, double y_mm, int axis) {
+    double sum = found[axis][3];
+    for (int i = 0; i < 3; ++i) {
+      const double in_camera =
+          pose[i][0].get<double>() * x_mm + pose[i][1].get<double>() * y_mm + pose[i][3].get<double>();
+      sum += found[axis][i].get<double>() * in_camera;
+    }
+    return sum;
+  };
+  CHECK(in_belt(0, 0, 0) == Approx(0.0).margin(0.1));
+  CHECK(in_belt(0, 0, 1) == Approx(0.0).margin(0.1));
+  CHECK(in_belt(0, 0, 2) == Approx(5.0).margin(0.1));
+  CHECK(in_belt(200, 0, 0) == Approx(200.0).margin(0.1));
+  CHECK(in_belt(0, 140, 1) == Approx(-140.0).margin(0.1));
+
+  const Outcome thick = beltpick_run(belt + kBoard + " --plate-thickness-mm 6");
+  CHECK(thick.exit_code == 0);
+  CHECK(thick.err.find("its thickness was given as 6.00 mm") != std::string::npos);
+  check_refused(belt + kBoard, 2, "--plate-thickness-mm");
+  check_refused(belt + " --plate-thickness-mm 5", 2, "--board");
+}
+
+TEST_CASE("A calibration is repeated from its observations, with and without one of them", "[calibrate]") {
+  const TempFolder folder;
+  const std::string resume = "calibrate --resume " + (calibrated() / "calibration.observations.json").string() +
+                             " --out " + (folder / "again.json").string();
+  const Outcome same = beltpick_run(resume);
+  INFO(same.err);
+  REQUIRE(same.exit_code == 0);
+  CHECK(file_bytes(folder / "again.json") == file_bytes(calibrated() / "calibration.json"));
+  const Outcome without = beltpick_run(resume + " --leave-out 003 --json");
+  INFO(without.err);
+  REQUIRE(without.exit_code == 0);
+  const auto answer = nlohmann::json::parse(without.out);
+  CHECK(answer["poses_used"] == 7);
+  CHECK(without.out.find("left out as asked for") != std::string::npos);
+  CHECK(json_of(folder / "again.json")["id"] != json_of(calibrated() / "calibration.json")["id"]);
+  check_refused(resume + " --leave-out 099", 2, "'099'");
+  check_refused("calibrate stray verify " + (calibrated() / "on_belt").string() + calibration_option() + kBoard, 2,
+                "stands before 'verify'");
+}
+
+TEST_CASE("The report of a calibration lies where it was asked for", "[calibrate]") {
+  const std::string page = file_bytes(calibrated() / "report/index.html");
+  CHECK(page.find("Calibration usable: ") != std::string::npos);
+  const auto report = json_of(calibrated() / "report/report.json");
+  CHECK(report["poses"].size() == 8);
+  CHECK(report["held_out"]["rms_mm"].get<double>() < 0.03);
 }

@@ -1,4 +1,5 @@
-// The README's commands, run as they stand there, one after the other in an empty folder.
+// The commands of README and of the page on calibration, run as they stand there, one after the other in an empty
+// folder.
 #include <catch2/catch.hpp>
 #include <sstream>
 
@@ -9,11 +10,12 @@ using namespace beltpick::test;
 namespace {
 
 const std::string kReadme = file_bytes(std::filesystem::path(BELTPICK_SOURCE_DIR) / "README.md");
+const std::string kCalibrating = file_bytes(std::filesystem::path(BELTPICK_SOURCE_DIR) / "host/calibrate/README.md");
 
 // The lines of the blocks marked as shell.
-std::vector<std::string> shell_lines() {
+std::vector<std::string> shell_lines(const std::string& page) {
   std::vector<std::string> lines;
-  std::istringstream text(kReadme);
+  std::istringstream text(page);
   bool inside = false;
   for (std::string line; std::getline(text, line);) {
     if (line.starts_with("```")) {
@@ -25,12 +27,8 @@ std::vector<std::string> shell_lines() {
   return lines;
 }
 
-}  // namespace
-
-TEST_CASE("The README's commands work as they stand there", "[readme]") {
-  const TempFolder folder;
-  const auto lines = shell_lines();
-  REQUIRE(lines.size() >= 7);
+// Runs `lines` one after the other in `folder`; how many there were.
+std::size_t run_all(const std::vector<std::string>& lines, const TempFolder& folder) {
   for (const std::string& line : lines) {
     const std::string command = "cd '" + folder.path().string() + "' && export PATH=" + BELTPICK_BIN_DIR +
                                 ":$PATH && " + line + " >/dev/null 2>stderr.txt";
@@ -38,7 +36,21 @@ TEST_CASE("The README's commands work as they stand there", "[readme]") {
     INFO(line << "\n" << file_bytes(folder / "stderr.txt"));
     REQUIRE(status == 0);
   }
+  return lines.size();
+}
+
+}  // namespace
+
+TEST_CASE("The README's commands work as they stand there", "[readme]") {
+  const TempFolder folder;
+  CHECK(run_all(shell_lines(kReadme), folder) >= 7);
   CHECK(std::filesystem::file_size(folder / "result.json") > 0);
+}
+
+TEST_CASE("The commands of the page on calibration work as they stand there", "[readme][calibrate]") {
+  const TempFolder folder;
+  CHECK(run_all(shell_lines(kCalibrating), folder) >= 6);
+  CHECK(file_bytes(folder / "report/index.html").find("Calibration good") != std::string::npos);
 }
 
 TEST_CASE("The README names every command and no other", "[readme]") {
