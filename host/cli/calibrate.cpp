@@ -8,7 +8,7 @@
 #include <map>
 #include <memory>
 
-#include "calibrate/board_corners.hpp"
+#include "board_options.hpp"
 #include "calibrate/observations_io.hpp"
 #include "calibrate/outcome_json.hpp"
 #include "calibrate/report.hpp"
@@ -32,23 +32,9 @@ using contract_io::Json;
 
 struct CalibrateOptions {
   std::vector<std::string> captures, leave_out;
-  std::string board, out, report, resume, id, camera_serial, projector_serial;
-  std::string dictionary = "DICT_4X4_100";
-  double square_mm = 0.0, marker_mm = 0.0;
-  bool charuco = false;
+  std::string out, report, resume, id, camera_serial, projector_serial;
+  BoardOptions board;
 };
-
-Result<calibrate::Board> board_of(const CalibrateOptions& options) {
-  const auto size = parse_size(options.board, "--board");
-  if (!size) return std::unexpected(size.error());
-  calibrate::Board board{size->width, size->height, options.square_mm};
-  if (options.charuco) {
-    board.marker_mm = options.marker_mm > 0.0 ? options.marker_mm : 0.75 * options.square_mm;
-    board.dictionary = options.dictionary;
-  }
-  if (auto checked = calibrate::check_board(board); !checked) return std::unexpected(checked.error());
-  return board;
-}
 
 Result<void> check_usage(const CalibrateOptions& options) {
   const bool resumed = !options.resume.empty();
@@ -56,11 +42,7 @@ Result<void> check_usage(const CalibrateOptions& options) {
     return failure(ResultCode::kUsage, "expected CAPTURE... of the plate, or --resume, found neither");
   }
   if (options.out.empty()) return failure(ResultCode::kUsage, "expected --out calibration.json, found none");
-  if (!resumed && (options.board.empty() || !(options.square_mm > 0.0))) {
-    return failure(ResultCode::kUsage, "expected --board and --square-mm of the plate, such as 11x8 and 20, found %s",
-                   options.board.empty() ? "no --board" : "no --square-mm");
-  }
-  if (resumed && !options.board.empty()) {
+  if (resumed && !options.board.size.empty()) {
     return failure(ResultCode::kUsage, "--board: does not go with --resume, whose file tells the plate");
   }
   return {};
@@ -184,7 +166,7 @@ Result<Observations> gather(const CalibrateOptions& options, Session& session) {
     if (!read) return read;
     seen = std::move(*read);
   } else {
-    const auto board = board_of(options);
+    const auto board = board_of(options.board);
     if (!board) return std::unexpected(board.error());
     seen.board = *board;
   }
@@ -281,11 +263,7 @@ Run add_calibrate(CLI::App& app) {
   app.add_option("CAPTURE", options->captures,
                  "8 to 30 captures of the plate in all sorts of poses, both axes coded: folders, .zip, or a folder of "
                  "such");
-  app.add_option("--board", options->board, "inner corners of the print, columns x rows")->type_name("11x8");
-  app.add_option("--square-mm", options->square_mm, "side of a square, as measured");
-  app.add_flag("--charuco", options->charuco, "the plate is a ChArUco board");
-  app.add_option("--marker-mm", options->marker_mm, "side of its markers (default: 0.75 of a square)");
-  app.add_option("--dictionary", options->dictionary, "of its markers, as OpenCV names it")->capture_default_str();
+  add_board_options(app, options->board);
   app.add_option("--out", options->out, "the result; the corners are kept beside it for --resume")
       ->type_name("calibration.json");
   app.add_option("--report", options->report, "write index.html with pictures and figures, and report.json")
