@@ -1,6 +1,7 @@
 #include "base/arena.hpp"
 
 #include <sys/mman.h>
+#include <unistd.h>
 
 #include <cstdio>
 #include <cstring>
@@ -48,9 +49,20 @@ void Arena::note_share(const char* name, std::size_t bytes) {
 }
 
 ArenaBlock::ArenaBlock(std::size_t bytes) : bytes_(bytes) {
-  void* block = mmap(nullptr, bytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_POPULATE, -1, 0);
+  constexpr std::size_t kHuge = std::size_t{2} << 20;
+  void* block = mmap(nullptr, bytes + kHuge, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
   if (block == MAP_FAILED) throw std::bad_alloc();
+  // From a boundary of huge pages on, so that a pass over planes walks few page tables, and the processor's prefetching
+  // does not stop every 4 KB.
   data_ = static_cast<std::byte*>(block);
+  const std::size_t before = (kHuge - reinterpret_cast<std::uintptr_t>(data_) % kHuge) % kHuge;
+  if (before > 0) munmap(data_, before);
+  data_ += before;
+  const std::size_t page = static_cast<std::size_t>(sysconf(_SC_PAGESIZE));
+  const std::size_t pages = (bytes + page - 1) / page * page;
+  if (kHuge > before) munmap(data_ + pages, kHuge - before);
+  madvise(data_, pages, MADV_HUGEPAGE);  // where the system has none, small ones do
+  std::memset(data_, 0, bytes);          // touched now: later there is no time for it
 }
 
 ArenaBlock::~ArenaBlock() { munmap(data_, bytes_); }

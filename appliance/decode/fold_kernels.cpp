@@ -267,6 +267,36 @@ BELTPICK_INLINE void resolve_twin(const Pixel* __restrict upright, const Pixel* 
   });
 }
 
+// The same in 16-bit numbers, a level squared being 128: for 8-bit levels without a share of the threshold, where the
+// noise stays below kMostSquared.
+constexpr float kMostSquared = 250.0F;
+
+BELTPICK_INLINE bool twin_noise_fits(const ThresholdRule& rule, std::uint16_t& floor_q7, std::uint16_t& shot_q7) {
+  const float noise = 4.0F * kWeakSigmas * kWeakSigmas * rule.noise_factor / (rule.to_level8 * rule.to_level8);
+  const float floor = noise * kCameraNoise.floor_variance;
+  const float shot = 0.5F * noise * kCameraNoise.shot_variance_per_level * rule.to_level8;
+  if (rule.weak_fraction > 0.0F || floor + 510.0F * shot > kMostSquared) return false;
+  floor_q7 = static_cast<std::uint16_t>(128.0F * floor + 0.5F);
+  shot_q7 = static_cast<std::uint16_t>(128.0F * shot + 0.5F);
+  return true;
+}
+
+BELTPICK_INLINE void resolve_twin_q7(const std::uint8_t* __restrict upright, const std::uint8_t* __restrict inverted,
+                                     int count, std::uint16_t floor_q7, std::uint16_t shot_q7,
+                                     std::uint8_t* __restrict bits) {
+  constexpr std::uint8_t kMostApart = 22;  // whose square is beyond kMostSquared, and 128 times that 16-bit
+  pack(count, bits, [=](int i) {
+    const std::uint8_t up = upright[i];
+    const std::uint8_t down = inverted[i];
+    const auto apart = static_cast<std::uint8_t>(std::max(up, down) - std::min(up, down));
+    const std::uint16_t near = std::min(apart, kMostApart);
+    const auto squared_q7 = static_cast<std::uint16_t>(static_cast<std::uint16_t>(near * near) << 7);
+    const auto noise_q7 = static_cast<std::uint16_t>(floor_q7 + shot_q7 * static_cast<std::uint16_t>(up + down));
+    return Verdict{static_cast<std::uint8_t>(up > down ? 1 : 0),
+                   static_cast<std::uint8_t>(squared_q7 < noise_q7 ? 1 : 0)};
+  });
+}
+
 }  // namespace
 
 BELTPICK_KERNEL
@@ -324,7 +354,13 @@ void resolve_levels_row(const std::uint16_t* levels, const std::uint16_t* level,
 BELTPICK_KERNEL
 void resolve_twin_row(const std::uint8_t* upright, const std::uint8_t* inverted, int count, const ThresholdRule& rule,
                       std::uint8_t* bits) {
-  resolve_twin(upright, inverted, count, rule, bits);
+  std::uint16_t floor_q7 = 0;
+  std::uint16_t shot_q7 = 0;
+  if (twin_noise_fits(rule, floor_q7, shot_q7)) {
+    resolve_twin_q7(upright, inverted, count, floor_q7, shot_q7, bits);
+  } else {
+    resolve_twin(upright, inverted, count, rule, bits);
+  }
 }
 BELTPICK_KERNEL
 void resolve_twin_row(const std::uint16_t* upright, const std::uint16_t* inverted, int count, const ThresholdRule& rule,

@@ -84,58 +84,61 @@ struct Block {
   Rows8 low, high, weak_out;
 };
 
-BELTPICK_KERNEL
-void spread_block(Block& block, int bits, std::size_t words) {
-  if (bits <= 8) {
-    spread<8>(block.code, block.weak, words, block.low, block.high, block.weak_out);
-  } else {
-    spread<kMaxGrayBits>(block.code, block.weak, words, block.low, block.high, block.weak_out);
+using BitRows = std::array<const std::uint8_t*, kMaxGrayBits>;
+
+// Bytes `first` on of the rows, by whole words: up to seven bytes beyond a row are read and never used.
+BELTPICK_INLINE void take_rows(const BitRows& bit_rows, int bits, int filled, std::size_t width, std::size_t first,
+                               std::size_t words, Block& block) {
+  for (int b = 0; b < bits; ++b) {
+    const std::uint8_t* __restrict from = bit_rows[static_cast<std::size_t>(b)] + first;
+    for (std::size_t k = 0; k < words; ++k) std::memcpy(&block.code[b][k], from + 8 * k, 8);
+    for (std::size_t k = 0; k < words; ++k) std::memcpy(&block.weak[b][k], from + width + 8 * k, 8);
+  }
+  for (int b = bits; b < filled; ++b) {
+    for (std::size_t k = 0; k < words; ++k) block.code[b][k] = block.weak[b][k] = 0;
   }
 }
 
 // The pixels whose bits lay at place s of each byte.
-BELTPICK_KERNEL
-void take_pixels(const Block& block, std::size_t s, bool wide, int count, std::uint16_t* __restrict cell,
-                 std::uint8_t* __restrict weak) {
+BELTPICK_INLINE void take_pixels(const Block& block, std::size_t s, bool wide, std::size_t count,
+                                 std::uint16_t* __restrict cell, std::uint8_t* __restrict weak) {
   const auto* low = reinterpret_cast<const std::uint8_t*>(block.low[s]);
   const auto* high = reinterpret_cast<const std::uint8_t*>(block.high[s]);
   const auto* flags = reinterpret_cast<const std::uint8_t*>(block.weak_out[s]);
-  for (int i = 0; i < count; ++i) weak[i] = flags[i];
+  for (std::size_t i = 0; i < count; ++i) weak[i] = flags[i];
   if (wide) {
-    for (int i = 0; i < count; ++i) cell[i] = static_cast<std::uint16_t>(low[i] | high[i] << 8);
+    for (std::size_t i = 0; i < count; ++i) cell[i] = static_cast<std::uint16_t>(low[i] | high[i] << 8);
   } else {
-    for (int i = 0; i < count; ++i) cell[i] = low[i];
+    for (std::size_t i = 0; i < count; ++i) cell[i] = low[i];
+  }
+}
+
+template <int kBits>
+BELTPICK_INLINE void cells(const BitRows& bit_rows, int bits, std::size_t count, std::uint16_t* cell,
+                           std::uint8_t* weak) {
+  const std::size_t width = (count + 7) / 8;  // see bit_row_bytes()
+  alignas(64) Block block;
+  for (std::size_t first = 0; first < width; first += kBytes) {
+    const std::size_t bytes = std::min(kBytes, width - first);
+    const std::size_t words = (bytes + 7) / 8;
+    take_rows(bit_rows, bits, kBits, width, first, words, block);
+    spread<kBits>(block.code, block.weak, words, block.low, block.high, block.weak_out);
+    for (std::size_t s = 0; s < 8 && s * width + first < count; ++s) {
+      const std::size_t at = s * width + first;
+      take_pixels(block, s, kBits > 8, std::min(bytes, count - at), cell + at, weak + at);
+    }
   }
 }
 
 }  // namespace
 
+BELTPICK_KERNEL
 void cells_row(const std::array<const std::uint8_t*, kMaxGrayBits>& bit_rows, int bits, int count, std::uint16_t* cell,
                std::uint8_t* weak) {
-  const std::size_t width = (static_cast<std::size_t>(count) + 7) / 8;  // see bit_row_bytes()
-  const int filled = bits <= 8 ? 8 : kMaxGrayBits;
-  alignas(64) Block block;
-  for (std::size_t first = 0; first < width; first += kBytes) {
-    const std::size_t bytes = std::min(kBytes, width - first);
-    const std::size_t words = (bytes + 7) / 8;
-    for (int b = 0; b < filled; ++b) {
-      const std::uint8_t* from = b < bits ? bit_rows[static_cast<std::size_t>(b)] + first : nullptr;
-      block.code[b][words - 1] = block.weak[b][words - 1] = 0;
-      if (from != nullptr) {
-        std::memcpy(block.code[b], from, bytes);
-        std::memcpy(block.weak[b], from + width, bytes);
-      } else {
-        std::fill_n(block.code[b], words, 0);
-        std::fill_n(block.weak[b], words, 0);
-      }
-    }
-    spread_block(block, bits, words);
-    for (std::size_t s = 0; s < 8; ++s) {
-      const std::size_t at = s * width + first;
-      if (at >= static_cast<std::size_t>(count)) break;
-      const std::size_t pixels = std::min(bytes, static_cast<std::size_t>(count) - at);
-      take_pixels(block, s, bits > 8, static_cast<int>(pixels), cell + at, weak + at);
-    }
+  if (bits <= 8) {
+    cells<8>(bit_rows, bits, static_cast<std::size_t>(count), cell, weak);
+  } else {
+    cells<kMaxGrayBits>(bit_rows, bits, static_cast<std::size_t>(count), cell, weak);
   }
 }
 

@@ -16,7 +16,7 @@ enum WeakBits : std::uint8_t {
 };
 
 // `bit_rows`: rows of `bits` Gray bits, least significant first, as fold_kernels.hpp lays them out. Gives the cell that
-// the reflected code numbers, and WeakBits, of each of `count` pixels.
+// the reflected code numbers, and WeakBits, of each of `count` pixels. Up to seven bytes beyond a row are read.
 // Works on bits of 64 pixels at a time and only then spreads them over the pixels, which costs a tenth of doing the
 // same pixel by pixel.
 void cells_row(const std::array<const std::uint8_t*, kMaxGrayBits>& bit_rows, int bits, int count, std::uint16_t* cell,

@@ -98,12 +98,15 @@ BELTPICK_INLINE void depths(const AxisModel& model, const AxisInput& input, int 
     const float per_denominator = 1.0F / (sg * at(m.ray_z, u, v) - g * at(m.ray_s, u, v));
     const float z = (m.translation_s * g - sg * m.translation_z) * per_denominator;
     const float mm_per_px = std::fabs(across * g * (per_denominator * per_denominator) * per_focal);
-    // 1 / gradient is about 2 - gradient; what that leaves moves the other coordinate by hundredths of a pixel.
-    s -= bend.miss * (2.0F - g);
-    o = line.offset + line.slope * s;
-    const float other =
-        (o * bend.radial + 2.0F * m.tangential_ss * s * o + m.tangential_so * (bend.r2 + 2.0F * o * o)) * m.focal_o +
-        m.centre_o;
+    float other = o * bend.radial * m.focal_o + m.centre_o;  // within a pixel or two, which the slack has room for
+    if constexpr (kStrong || kBoth) {
+      // 1 / gradient is about 2 - gradient; what that leaves moves the other coordinate by hundredths of a pixel.
+      s -= bend.miss * (2.0F - g);
+      o = line.offset + line.slope * s;
+      other =
+          (o * bend.radial + 2.0F * m.tangential_ss * s * o + m.tangential_so * (bend.r2 + 2.0F * o * o)) * m.focal_o +
+          m.centre_o;
+    }
     const bool good = (g > 0.0F) & (z > 0.0F) & (z < kFarthestMm) & (z * at(m.ray_z, u, v) + m.translation_z > 0.0F) &
                       (other > first_px) & (other < last_px);
     // The texture is what white light shows; a fringe's mean is half of it.
@@ -173,31 +176,36 @@ void depth_row(const AxisModel& model, const AxisInput& in, int count, float* de
 }
 
 BELTPICK_KERNEL
-RowCounts point_row(const float* __restrict ray_u, const float* __restrict ray_v, const float* __restrict depth_mm,
+RowCounts point_row(const float* __restrict ray_u, const float* __restrict ray_v, float* __restrict depth_mm,
                     const float* __restrict sigma_in_mm, const std::uint8_t* __restrict flies,
                     PixelState* __restrict state, int count, float* __restrict point_mm, float* __restrict sigma_mm) {
-  int points = 0;
+  // Bytes in passes of their own: beside them the compiler would take four vectors of floats at a time.
   int flying = 0;
   int coded = 0;
   for (int i = 0; i < count; ++i) {
-    const bool measured = (depth_mm[i] > 0.0F) & (flies[i] == 0);
-    const float z = measured ? depth_mm[i] : 0.0F;
-    const float u = measured ? ray_u[i] : 0.0F;  // a pixel without a ray has NaN
-    const float v = measured ? ray_v[i] : 0.0F;
+    flying += flies[i];
+    coded += state[i] == PixelState::kValid ? 1 : 0;
+  }
+  if (flying > 0) {
+    for (int i = 0; i < count; ++i) depth_mm[i] = flies[i] == 0 ? depth_mm[i] : 0.0F;
+  }
+  int points = 0;
+  for (int i = 0; i < count; ++i) {
+    const float z = depth_mm[i];
+    const float u = z > 0.0F ? ray_u[i] : 0.0F;  // a pixel without a ray has NaN
+    const float v = z > 0.0F ? ray_v[i] : 0.0F;
     point_mm[3 * i] = u * z;
     point_mm[3 * i + 1] = v * z;
     point_mm[3 * i + 2] = z;
-    sigma_mm[i] = measured ? sigma_in_mm[i] : 0.0F;
-    points += measured ? 1 : 0;
+    sigma_mm[i] = z > 0.0F ? sigma_in_mm[i] : 0.0F;
+    points += z > 0.0F ? 1 : 0;
   }
+  if (points == coded) return {points, flying, coded};
   for (int i = 0; i < count; ++i) {
-    flying += flies[i];
-    const bool valid = state[i] == PixelState::kValid;
-    coded += valid ? 1 : 0;
     // A code without a depth is one that the geometry contradicts.
     const auto contradicted = static_cast<int>(depth_mm[i] > 0.0F ? PixelState::kValid : PixelState::kOrderUncertain);
     const int reason = flies[i] != 0 ? static_cast<int>(PixelState::kEdge) : contradicted;
-    state[i] = static_cast<PixelState>(valid ? reason : static_cast<int>(state[i]));
+    state[i] = static_cast<PixelState>(state[i] == PixelState::kValid ? reason : static_cast<int>(state[i]));
   }
   return {points, flying, coded};
 }
