@@ -14,7 +14,7 @@ namespace {
 struct Recipe {
   int steps;
   int gray_bits;  // at most
-  bool twins;     // inverted Gray frames, white and black
+  bool twins;     // inverted Gray frames, white and black first, white once more last
 };
 
 constexpr Recipe recipe_of(SequenceName name) {
@@ -122,6 +122,7 @@ Result<Sequence> make_sequence(SequenceName name, const ProjectorGrid& projector
     append_phase(axis, period_px, recipe.steps, sequence);
     append_gray(axis, cell_px, bits_for(extent / cell_px), recipe.twins, sequence);
   }
+  if (recipe.twins) append_plain(FrameKind::kWhite, sequence);
   name_files(sequence);
   return sequence;
 }

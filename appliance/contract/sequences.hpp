@@ -26,7 +26,8 @@ std::optional<SequenceName> find_sequence_name(std::string_view name);
 // and period are as narrow as the number of Gray frames allows, but not so narrow that defocus takes the contrast:
 //   fast      5 steps, 7 Gray frames; thresholds are the phase frames' mean
 //   standard  8 steps, 8 Gray frames; likewise
-//   robust   12 steps, 8 Gray frames, each followed by its inverted twin; white and black before all
+//   robust   12 steps, 8 Gray frames, each followed by its inverted twin; white and black before all, and white once
+//             more after all, which tells what moved
 // A smaller projector needs fewer Gray frames. What sets a threshold comes before what needs it, so that a decoder can
 // fold the frames as they arrive. Error: kValueOutOfRange where the projector has less than two periods.
 Result<Sequence> make_sequence(SequenceName name, const ProjectorGrid& projector, SequenceAxes axes);

@@ -1,6 +1,7 @@
 #include "decode/decoder.hpp"
 
 #include "contract/result_codes.hpp"
+#include "decode/repeat_row.hpp"
 #include "decode/ripple.hpp"
 
 namespace beltpick::decode {
@@ -87,8 +88,34 @@ Result<void> Decoder::fold_any(int index, ImageView<const Pixel> image) {
     fold_row(context_, work, image.row(row), row);
     check_.sample_row(index, row, image.row(row));
   }
+  fold_repeated(index, image);
   ++next_frame_;
   return {};
+}
+
+template <class Pixel>
+void Decoder::fold_repeated(int index, ImageView<const Pixel> image) {
+  const RepeatedPattern& repeated = context_.plan->repeated;
+  if (repeated.plane == kNone || (index != repeated.first && index != repeated.last)) return;
+  for (int row = 0; row < rows_; ++row) {
+    auto* kept = context_.store.row<Pixel>(repeated.plane, row);
+    if (index == repeated.first) {
+      std::copy_n(image.row(row), context_.cols, kept);
+    } else {
+      subtract_first_row(image.row(row), context_.cols, kept);
+    }
+  }
+}
+
+template <class Pixel>
+void Decoder::mark_moved(int row) {
+  const int plane = context_.plan->repeated.plane;
+  if (plane == kNone) return;
+  const std::size_t at = static_cast<std::size_t>(row) * static_cast<std::size_t>(context_.cols);
+  const bool columns = context_.plan->codes(Axis::kColumn);
+  const bool rows = context_.plan->codes(Axis::kRow);
+  mark_moved_row(context_.store.row<const Pixel>(plane, row), &texture_[at], context_.cols, context_.to_level8(),
+                 &state_[at], columns ? &column_px_[at] : nullptr, rows ? &row_px_[at] : nullptr);
 }
 
 Result<void> Decoder::fold(int index, ImageView<const std::uint8_t> image) { return fold_any(index, image); }
@@ -138,8 +165,10 @@ void Decoder::finish_rows(int first, int end) {
                         &texture_[at]};
     if (pixel_bytes_ == 1) {
       finish_row<std::uint8_t>(context_, scratch_, row, out);
+      mark_moved<std::uint8_t>(row);
     } else {
       finish_row<std::uint16_t>(context_, scratch_, row, out);
+      mark_moved<std::uint16_t>(row);
     }
   }
 }

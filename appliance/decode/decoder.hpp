@@ -61,6 +61,10 @@ class Decoder {
   template <class Pixel>
   Result<void> fold_any(int index, ImageView<const Pixel> image);
   void measure_ripples();
+  template <class Pixel>
+  void fold_repeated(int index, ImageView<const Pixel> image);
+  template <class Pixel>
+  void mark_moved(int row);
   [[nodiscard]] CodeImage output() const;
 
   DecoderLimits limits_;

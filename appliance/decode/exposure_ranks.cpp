@@ -16,13 +16,26 @@ bool same_pattern(const FrameSpec& a, const FrameSpec& b) {
 
 bool is_reference(const FrameSpec& frame) { return frame.kind == FrameKind::kWhite || frame.kind == FrameKind::kBlack; }
 
+// The first frame of the same pattern and exposure as the last; kNone without.
+int repeated_by_last(const std::vector<FrameSpec>& frames) {
+  for (std::size_t i = 0; i + 1 < frames.size(); ++i) {
+    if (same_pattern(frames[i], frames.back()) && frames[i].exposure_us == frames.back().exposure_us) {
+      return static_cast<int>(i);
+    }
+  }
+  return kNone;
+}
+
 }  // namespace
 
 Result<ExposureRanks> rank_exposures(const Sequence& sequence) {
   const auto& frames = sequence.frames;
-  const std::size_t count = frames.size();
   ExposureRanks ranks;
-  ranks.rank.assign(count, 0);
+  ranks.repeated = repeated_by_last(frames);
+  // The last frame then only tells what moved.
+  const std::size_t count = frames.size() - (ranks.repeated != kNone ? 1 : 0);
+  ranks.rank.assign(frames.size(), 0);
+  if (count < frames.size()) ranks.rank.back() = ExposureRanks::kUnused;
   std::vector<int> times(count, 1);
   for (std::size_t i = 0; i < count; ++i) {
     for (std::size_t j = 0; j < count; ++j) {

@@ -5,6 +5,7 @@
 #include "decode/finish_kernels.hpp"
 #include "decode/gray_cells.hpp"
 #include "decode/gray_rows.hpp"
+#include "decode/gray_subpixel.hpp"
 #include "decode/order_search.hpp"
 #include "decode/ripple.hpp"
 #include "decode/row_decoder.hpp"
@@ -126,6 +127,9 @@ void decode_axis(const RowContext& context, const ExposurePlan& exposure, const 
     std::copy_n(scratch.half8.data(), cols, out.amplitude8);
     state_row(out.amplitude8, scratch.mean8.data(), scratch.half8.data(), scratch.order_safe.data(), nullptr, cols,
               {kLeastGraySigmas, kGrayNoiseGain}, out.state, out.x_px);
+    if (&axis == &exposure.axes[static_cast<std::size_t>(Axis::kColumn)]) {
+      refine_cells_row(scratch.cell.data(), out.state, cols, cell_rule(*code, axis, code->cell_px), out.x_px);
+    }
     return;
   }
   for (std::size_t c = 0; c < axis.channels.size(); ++c) {

@@ -93,9 +93,12 @@ Suspect find_suspect(const FringeSums& sums) {
       keep_likelier(best, {Mistake::kExchanged, a, b, left_by(sums, assignment)});
     }
   }
+  // An exchange of the last two frames looks as if the first of them was dropped, and explains one image more.
+  Suspect gap;
   for (std::size_t a = 0; a + 1 < sums.frames; ++a) {
-    keep_better(best, {Mistake::kDropped, a, a, left_by(sums, dropped(sums, a))});
+    keep_better(gap, {Mistake::kDropped, a, a, left_by(sums, dropped(sums, a))});
   }
+  if (gap.left < 0.5 * best.left) best = gap;
   // One alien frame: leaving it out must help much more than leaving out any other.
   Suspect alien;
   double second = alien.left;

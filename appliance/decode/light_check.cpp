@@ -15,6 +15,7 @@ constexpr double kTolerated = 1.0;
 // A projector out of step shows in the mean level too, a scene that moves hardly does; lamps show there most.
 constexpr double kShownByLevel = 0.6;  // of what is tolerated
 constexpr double kLevelOverGain = 0.3;
+constexpr double kOfOneCause = 0.5;  // of what the mean level tells: gains that leave less unexplained are the cause
 
 FrameVector times(const FrameMatrix& matrix, const FrameVector& vector, std::size_t count) {
   FrameVector product{};
@@ -59,14 +60,14 @@ bool whole_number(double exposure_us, double flicker_us) {
 Error flicker(double share, double exposure_us) {
   constexpr double kMains50_us = 10000.0, kMains60_us = 25000.0 / 3.0;  // half a period of the mains
   const bool whole = whole_number(exposure_us, kMains50_us) || whole_number(exposure_us, kMains60_us);
-  char exposure[80] = "";
-  if (exposure_us > 0.0) std::snprintf(exposure, sizeof exposure, " of %.0f us", exposure_us);
+  char exposure[64] = "the exposure";
+  if (exposure_us > 0.0) std::snprintf(exposure, sizeof exposure, "the exposure of %.0f us", exposure_us);
   return failure(
              ResultCode::kLightFlickers,
              "the light of the surroundings differs from frame to frame (%.1f %% of the mean level) and adds as much "
-             "to the error as the camera's noise: lamps flicker; %s the exposure%s %s a multiple of 10 ms (mains of "
-             "50 Hz) or 8.333 ms (60 Hz), or shade the cell",
-             100.0 * share, whole ? "check that" : "make", exposure, whole ? "suits your mains:" : "")
+             "to the error as the camera's noise: lamps flicker; %s %s a multiple of 10 ms (mains of 50 Hz) or "
+             "8.333 ms (60 Hz)%s, or shade the cell",
+             100.0 * share, whole ? "check" : "make", exposure, whole ? ", whichever your mains are" : "")
       .error();
 }
 
@@ -90,12 +91,17 @@ void check_light(const ProbeLevels& levels, const FringeSums& sums) {
   for (std::size_t n = 0; n < sums.frames; ++n) levels_off[n] = sums.along_mean[n] / sums.mean_squared;
   const double mean_over_noise = sums.mean / std::sqrt(sums.variance * sums.witnesses);
   const double gain = root_mean_square(gains, sums.frames, frames - 1.0);
+  const FrameVector of_gains = times(left, gains, sums.frames);
+  FrameVector offsets{};
+  for (std::size_t n = 0; n < sums.frames; ++n) offsets[n] = levels_off[n] - of_gains[n];
   const double level = root_mean_square(levels_off, sums.frames, frames - 3.0);
-  if (level > gain && level * mean_over_noise > kTolerated) {
-    levels.findings->add(flicker(level, levels.exposure_us));
-  } else if (gain * mean_over_noise > kTolerated && level > kLevelOverGain * gain &&
-             level * mean_over_noise > kShownByLevel * kTolerated) {
+  const bool gains_explain = root_mean_square(offsets, sums.frames, frames - 3.0) < kOfOneCause * level;
+  const bool gains_prevail = level < gain && level > kLevelOverGain * gain;
+  const bool level_shows = level * mean_over_noise > kShownByLevel * kTolerated;
+  if (gain * mean_over_noise > kTolerated && (gains_explain || (gains_prevail && level_shows))) {
     levels.findings->add(beat(gain));
+  } else if (level > gain && level * mean_over_noise > kTolerated) {
+    levels.findings->add(flicker(level, levels.exposure_us));
   }
 }
 

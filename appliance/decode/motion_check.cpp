@@ -18,7 +18,7 @@ constexpr double kFar_px = 4.0;
 constexpr double kBeyondLinear_px = 0.25;  // a larger shift is looked for step by step first
 constexpr int kSearched_px = 16;
 constexpr int kLeastProbes = 300;
-constexpr float kBrightShare = 0.75F;  // of the contrast: beyond doubt under a bright stripe
+constexpr float kBrightShare = 0.55F;  // of the contrast: under a bright stripe, though the texture moved
 constexpr int kBorder = 2;             // probes that bright ones must keep off their stripe's border
 constexpr int kReach = 5;  // probes either side whose mean is taken off: what varies slower is light, not texture
 constexpr double kTextureOverNoise = 1.5;
@@ -43,11 +43,12 @@ struct Shift {
   bool certain = false;
 };
 
-Shift solve(const ShiftSums& sums) {
+// About a shift by whole pixels.
+Shift solve(const ShiftSums& sums, int whole_px) {
   const double determinant = sums.ee * sums.gg - sums.eg * sums.eg;
   if (determinant <= 1e-9 * sums.ee * sums.gg) return {};
   const double gain = (sums.le * sums.gg - sums.lg * sums.eg) / determinant;
-  const double px = -(sums.lg * sums.ee - sums.le * sums.eg) / determinant / gain;
+  const double px = whole_px - (sums.lg * sums.ee - sums.le * sums.eg) / determinant / gain;
   const double sigma_px = std::sqrt(sums.ee / determinant) / std::abs(gain);
   const bool one_texture = gain > kOfOneTexture * sums.late / sums.early;
   return {px, one_texture && std::abs(px) > kSignificant * sigma_px};
@@ -119,7 +120,7 @@ ShiftSums sum_about(const ProbeLevels& levels, const Early& early, int frame, bo
 double find_shift(const ProbeLevels& levels, const Early& early, int frame, bool along_rows) {
   const ShiftSums here = sum_about(levels, early, frame, along_rows, 0);
   if (here.probes < kLeastProbes || here.ee < kTextureOverNoise * here.noise) return 0.0;
-  Shift shift = solve(here);
+  Shift shift = solve(here, 0);
   if (!shift.certain || std::abs(shift.px) > kBeyondLinear_px) {
     int best_px = 0;
     double most_alike = here.le / std::sqrt(here.ee);
@@ -130,8 +131,7 @@ double find_shift(const ProbeLevels& levels, const Early& early, int frame, bool
       most_alike = alike;
       best_px = whole_px;
     }
-    shift = solve(sum_about(levels, early, frame, along_rows, best_px));
-    shift.px += best_px;
+    shift = solve(sum_about(levels, early, frame, along_rows, best_px), best_px);
   }
   return shift.certain ? shift.px : 0.0;
 }

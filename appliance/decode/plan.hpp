@@ -130,6 +130,12 @@ struct FrameWork {
   bool first_extremes = false;
 };
 
+// The pattern shown again at the end: `plane` holds it from frame `first` on, and after `last` how much they differ.
+struct RepeatedPattern {
+  int first = kNone, last = kNone;
+  int plane = kNone;
+};
+
 struct FoldPlan {
   Sequence sequence;
   std::vector<PlaneKind> planes;
@@ -138,6 +144,7 @@ struct FoldPlan {
   std::vector<ExposurePlan> exposures;
   std::vector<FrameWork> frames;  // one for each frame of the sequence
   int flags_plane = kNone;
+  RepeatedPattern repeated;
   bool correct_ripple = true;  // of the projector's gamma, where it is found in the images
 
   [[nodiscard]] bool codes(Axis axis) const {

@@ -51,6 +51,9 @@ Result<FoldPlan> PlanBuilder::build() {
     frame.accumulate.first_flags = true;
     break;
   }
+  if (ranks_.repeated != kNone) {
+    plan_.repeated = {ranks_.repeated, static_cast<int>(plan_.frames.size()) - 1, add_plane(PlaneKind::kRaw)};
+  }
   return std::move(plan_);
 }
 

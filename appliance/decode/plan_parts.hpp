@@ -13,9 +13,10 @@ const char* axis_name(Axis axis);
 // Which exposure of an HDR capture each frame belongs to.
 struct ExposureRanks {
   static constexpr int kShared = -2;  // captured once, serves every exposure
-  static constexpr int kUnused = -1;  // white or black once more at the same exposure
+  static constexpr int kUnused = -1;  // a pattern once more at the same exposure
 
   int exposures = 1;
+  int repeated = kNone;   // the frame that the last one shows again; kNone without
   std::vector<int> rank;  // by frame: 0 is the shortest exposure
 
   [[nodiscard]] bool belongs(int frame, int exposure) const {
@@ -24,8 +25,9 @@ struct ExposureRanks {
   }
 };
 
-// Equal patterns at different exposures are the exposures of an HDR capture. Errors: kSequenceUndecodable where a
-// pattern stands twice at one exposure, or at only some of the exposures; kLimitExceeded.
+// Equal patterns at different exposures are the exposures of an HDR capture. The last frame may show an earlier pattern
+// once more, to tell whether anything moved. Errors: kSequenceUndecodable where another pattern stands twice at one
+// exposure, or at only some of the exposures; kLimitExceeded.
 Result<ExposureRanks> rank_exposures(const Sequence& sequence);
 
 // A period's frames, and each frame's least-squares weights for the fringe components.

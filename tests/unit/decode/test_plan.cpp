@@ -59,8 +59,22 @@ TEST_CASE("sequences that do not determine the coordinate are refused with the r
   s = empty_sequence();
   add_phases(s, kC, 18, 8);
   add_gray(s, kC, 9);
-  s.frames.push_back(s.frames[3]);
+  s.frames.insert(s.frames.begin() + 10, s.frames[3]);
   check_refused(s, "same pattern");
+}
+
+TEST_CASE("the last frame may show an earlier pattern once more") {
+  Sequence s = empty_sequence();
+  add_phases(s, kC, 18, 8);
+  add_gray(s, kC, 9);
+  const auto once = decode::make_fold_plan(s);
+  s.frames.push_back(s.frames[3]);
+  const auto twice = decode::make_fold_plan(s);
+  REQUIRE(once);
+  REQUIRE(twice);
+  CHECK(twice->repeated.first == 3);
+  CHECK(twice->repeated.last == static_cast<int>(s.frames.size()) - 1);
+  CHECK(twice->state_bytes(1) == once->state_bytes(1) + 1);
 }
 
 TEST_CASE("raw frames are kept only where their threshold comes later") {
