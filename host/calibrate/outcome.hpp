@@ -15,9 +15,9 @@ namespace beltpick::calibrate {
 // camera's model puts the corner, so that an error of the corner in the camera image is not counted twice.
 struct CornerOutcome {
   int corner = 0;
-  PixelPosition camera_px;           // observed
-  PixelPosition projector_px;        // observed; NaN where the projector's light was not measured
-  PixelPosition camera_residual_px;  //
+  PixelPosition camera_px;     // observed
+  PixelPosition projector_px;  // observed; NaN where the projector's light was not measured
+  PixelPosition camera_residual_px;
   PixelPosition projector_residual_px;
   bool used = true;    // in the solution
   std::string reason;  // where not
@@ -30,7 +30,7 @@ struct PoseOutcome {
   Pose<frame::Camera, frame::Part> T_camera_plate;     // frame::Part is the plate: z into it
   double distance_mm = 0.0;                            // of its middle along the camera's axis
   double tilt_x_deg = 0.0, tilt_y_deg = 0.0;           // of its normal: up or down (about the image's x), left or right
-  double camera_rms_px = 0.0, projector_rms_px = 0.0;  // of used corners, per axis
+  double camera_rms_px = 0.0, projector_rms_px = 0.0;  // of used corners, 2-D as OpenCV counts
   double stereo_rms_px = 0.0;                          // across the baseline: what the two views disagree by
   // Measured by a calibration made without this pose: the corners against the plate laid through them.
   bool held_out = false;  // measured
