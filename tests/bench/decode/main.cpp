@@ -184,8 +184,12 @@ void report_noise(const std::string& capture, const Job& job, Line& line) {
   const std::filesystem::path truth = std::filesystem::path(capture) / "truth_xyz.npy";
   if (!std::filesystem::exists(truth)) return;
   const Noise noise = judge_noise(job.range(), need(contract_io::read_npy<float>(truth, {-1, -1, 3})).values);
-  std::printf("%d points, local noise %.4f mm RMS, %d off by more than 1 mm\n", noise.points, noise.rms_mm,
-              noise.wrong);
+  std::printf(
+      "%d points (%.2f %% of those seen), local noise %.4f mm RMS, %.3f of what the noise law predicts, %d off by "
+      "more than 1 mm\n",
+      noise.points, 100.0 * noise.valid_share, noise.rms_mm, noise.rms_mm / noise.predicted_mm, noise.wrong);
+  line.add("noise_predicted_mm", noise.predicted_mm);
+  line.add("valid_share", noise.valid_share);
   line.add("points", noise.points);
   line.add("noise_rms_mm", noise.rms_mm);
   line.add("off_over_1mm", noise.wrong);

@@ -47,9 +47,14 @@ Noise judge_noise(const RangeImage& range, const std::vector<float>& truth_mm) {
   std::vector<double> off(range.point_mm.size(), 0.0);
   std::vector<int> valid(range.point_mm.size(), 0);
   Noise noise;
+  int seen = 0;
+  double predicted = 0.0;
   for (std::size_t i = 0; i < off.size(); ++i) {
     const float truth = truth_mm[3 * i + 2];
+    seen += truth > 0.0F ? 1 : 0;
     if (range.point_mm.data[i].z() == 0.0F || !(truth > 0.0F)) continue;
+    const Vec3f& point = range.point_mm.data[i];
+    predicted += std::pow(range.sigma_mm.data[i] * point.z() / point.norm(), 2);
     off[i] = range.point_mm.data[i].z() - truth;
     valid[i] = 1;
     ++noise.points;
@@ -64,6 +69,8 @@ Noise judge_noise(const RangeImage& range, const std::vector<float>& truth_mm) {
     }
   }
   noise.rms_mm = std::sqrt(squares / std::max(noise.points, 1));
+  noise.predicted_mm = std::sqrt(predicted / std::max(noise.points, 1));
+  noise.valid_share = noise.points / static_cast<double>(std::max(seen, 1));
   return noise;
 }
 
