@@ -1,7 +1,7 @@
 // A recipe: what the appliance projects, how long it exposes, and which parts it looks for. beltpick-recipe, version 1:
 //
 //   {"format": "beltpick-recipe", "version": 1, "number": 1, "name": "knuckles",
-//    "sequence": "standard",               fast, standard, robust; the path of a sequence.json; or its content itself
+//    "sequence": "standard",               fast, standard, robust, micro; the path of a sequence.json; or its content itself
 //    "axes": "column",                     column, row or both; for the named sequences
 //    "exposure_us": 8000,                  for frames whose sequence does not tell their own
 //    "exposures_us": [2000, 8000, 24000],  HDR: the whole sequence once at each of them, in place of exposure_us

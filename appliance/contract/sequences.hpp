@@ -11,11 +11,11 @@
 
 namespace beltpick {
 
-enum class SequenceName : std::uint8_t { kFast, kStandard, kRobust };
+enum class SequenceName : std::uint8_t { kFast, kStandard, kRobust, kMicro };
 enum class SequenceAxes : std::uint8_t { kColumn, kRow, kBoth };
 
 // How files and the command line call them, in the order of the enumerators.
-inline constexpr std::array<std::string_view, 3> kSequenceNames{"fast", "standard", "robust"};
+inline constexpr std::array<std::string_view, 4> kSequenceNames{"fast", "standard", "robust", "micro"};
 inline constexpr std::array<std::string_view, 3> kSequenceAxesNames{"column", "row", "both"};
 
 // The enumerator of a name; nothing where there is none, as for the path of a sequence.json.
@@ -28,6 +28,9 @@ std::optional<SequenceName> find_sequence_name(std::string_view name);
 //   standard  8 steps, 8 Gray frames; likewise
 //   robust   12 steps, 8 Gray frames, each followed by its inverted twin; white and black before all, and white once
 //             more after all, which tells what moved
+//   micro     4 steps of each of 4 periods from 10 to 15 pixels and no Gray code: for shiny concave parts, whose walls
+//             light each other: bounced light carries broad stripes, but not fringes as fine as these. Where their
+//             phases agree on no order, it is masked. Decoding takes 19 bytes a pixel.
 // A smaller projector needs fewer Gray frames. What sets a threshold comes before what needs it, so that a decoder can
 // fold the frames as they arrive. Error: kValueOutOfRange where the projector has less than two periods.
 Result<Sequence> make_sequence(SequenceName name, const ProjectorGrid& projector, SequenceAxes axes);

@@ -141,6 +141,7 @@ Result<CodeImage> Decoder::begin_finish() {
   }
   if (auto judged = check_.judge(*context_.plan, context_.full_scale); !judged) return std::unexpected(judged.error());
   measure_ripples();
+  measure_contrasts();
   return output();
 }
 
@@ -151,6 +152,18 @@ void Decoder::measure_ripples() {
     if (!plan.correct_ripple) continue;
     ripple = pixel_bytes_ == 1 ? measure_ripple<std::uint8_t>(context_, plan.channels[c], rows_)
                                : measure_ripple<std::uint16_t>(context_, plan.channels[c], rows_);
+  }
+}
+
+void Decoder::measure_contrasts() {
+  const auto& exposures = context_.plan->exposures;
+  for (std::size_t e = 0; e < exposures.size(); ++e) {
+    for (std::size_t a = 0; a < 2; ++a) {
+      const AxisPlan& axis = exposures[e].axes[a];
+      context_.usual_contrast[e][a] = pixel_bytes_ == 1
+                                          ? measure_contrast<std::uint8_t>(context_, scratch_, exposures[e], axis)
+                                          : measure_contrast<std::uint16_t>(context_, scratch_, exposures[e], axis);
+    }
   }
 }
 

@@ -65,6 +65,7 @@ class Decoder {
   void fold_repeated(int index, ImageView<const Pixel> image);
   template <class Pixel>
   void mark_moved(int row);
+  void measure_contrasts();
   [[nodiscard]] CodeImage output() const;
 
   DecoderLimits limits_;

@@ -211,7 +211,8 @@ void state_row(const float* __restrict amplitude8, const float* __restrict mean8
     const bool modulated = (amplitude8[i] > 0.0F) & (amplitude8[i] * amplitude8[i] >= least);
     const int dim = static_cast<int>(bright ? PixelState::kLowModulation : PixelState::kDark);
     const int weak = mean8[i] >= kFullLevel8 ? static_cast<int>(PixelState::kSaturated) : dim;
-    const int order = order_safe[i] != 0 ? kValid : static_cast<int>(PixelState::kOrderUncertain);
+    const bool direct = amplitude8[i] >= rule.least_contrast * half8[i];
+    const int order = (order_safe[i] != 0) & direct ? kValid : static_cast<int>(PixelState::kOrderUncertain);
     const int measured = modulated ? order : weak;
     const int told = (flags[i] & bit) != 0 ? static_cast<int>(PixelState::kSaturated) : measured;
     x_px[i] = told == kValid ? x_px[i] : kNotMeasured;

@@ -62,6 +62,7 @@ struct StateRule {
   float noise_gain = 1.0F;
   std::uint8_t saturation_bit = 0;
   float bright_share = 1.0F;
+  float least_contrast = 0.0F;  // amplitude over half8; below it broad Gray stripes may be another surface's light
 };
 // kSaturated where `saturated` has the rule's bit; `saturated` may be null. x_px = NaN where the state is not valid.
 void state_row(const float* amplitude8, const float* mean8, const float* half8, const std::uint8_t* order_safe,

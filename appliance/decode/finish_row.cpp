@@ -21,6 +21,9 @@ constexpr double kMostNoisePx = 0.18;
 constexpr float kAmplePhaseSigmas = 16.0F;
 // Where only the mean of the fringes is known, light is there if a fringe of this share of it would be measured.
 constexpr float kLeastContrast = 0.25F;
+// Light that other surfaces throw carries broad stripes, but not fine fringes. Where it exceeds the projector's own, so
+// that it may turn Gray bits over, less than half of the usual contrast is left to the fringes.
+constexpr float kDirectShare = 0.42F;
 // What exposures may differ by without noise: a belt that settles, ambient light that flickers, saturation that starts.
 constexpr float kExposureSlackPx = 0.25F;
 // A bright and a dark Gray stripe lie this many standard deviations from their threshold: one in 100,000 is misread.
@@ -106,18 +109,19 @@ void order_fringes(const RowContext& context, const AxisPlan& axis, const GrayCo
                      scratch.order_safe.data());
 }
 
-StateRule phase_rule(const ExposurePlan& exposure, const PhaseChannel& finest) {
+StateRule phase_rule(const ExposurePlan& exposure, const PhaseChannel& finest, float usual_contrast) {
   const auto sigmas = static_cast<float>(finest.period_px / (2.0 * kPi * kMostNoisePx));
   return {.least_sigmas = std::clamp(sigmas, kLeastPhaseSigmas, kAmplePhaseSigmas),
           .noise_gain = static_cast<float>(finest.noise_gain),
           .saturation_bit = exposure.saturation_bit,
-          .bright_share = exposure.reference.mean_channel == kNone ? 1.0F : kLeastContrast};
+          .bright_share = exposure.reference.mean_channel == kNone ? 1.0F : kLeastContrast,
+          .least_contrast = kDirectShare * usual_contrast};
 }
 
 // Decodes one axis of one exposure into `out`.
 template <class Pixel>
 void decode_axis(const RowContext& context, const ExposurePlan& exposure, const AxisPlan& axis, RowScratch& scratch,
-                 int row, const AxisPixels& out) {
+                 int row, float usual_contrast, const AxisPixels& out) {
   const int cols = context.cols;
   const GrayCode* code = axis.gray == kNone ? nullptr : &context.plan->grays[static_cast<std::size_t>(axis.gray)];
   if (code != nullptr) gather_gray<Pixel>(context, *code, scratch, row);
@@ -139,8 +143,8 @@ void decode_axis(const RowContext& context, const ExposurePlan& exposure, const 
   const PhaseChannel& finest = context.plan->channels[static_cast<std::size_t>(axis.channels[0])];
   std::copy_n(scratch.amplitude8[0].data(), cols, out.amplitude8);
   state_row(out.amplitude8, scratch.mean8.data(), scratch.half8.data(), scratch.order_safe.data(),
-            context.store.row<const std::uint8_t>(context.plan->flags_plane, row), cols, phase_rule(exposure, finest),
-            out.state, out.x_px);
+            context.store.row<const std::uint8_t>(context.plan->flags_plane, row), cols,
+            phase_rule(exposure, finest, usual_contrast), out.state, out.x_px);
 }
 
 // What the merge of exposures needs to know of one that lies in `pixels`.
@@ -194,6 +198,37 @@ RowScratch::RowScratch(Arena& arena, int cols) {
 }
 
 template <class Pixel>
+float measure_contrast(const RowContext& context, RowScratch& scratch, const ExposurePlan& exposure,
+                       const AxisPlan& axis) {
+  constexpr int kRows = 24;
+  constexpr int kBins = 128;
+  constexpr float kLeastAmplitude8 = 10.0F;
+  constexpr int kLeastPixels = 200;
+  if (axis.method != Method::kGrayPhase) return 0.0F;
+  std::array<int, kBins> counts{};
+  int all = 0;
+  for (int row = 0; row < context.rows; row += std::max(1, context.rows / kRows)) {
+    gather_levels<Pixel>(context, exposure.reference, scratch, row);
+    gather_fringe<Pixel>(context, axis.channels[0], scratch.turn[0], scratch.amplitude8[0], row);
+    const auto* flags = context.store.row<const std::uint8_t>(context.plan->flags_plane, row);
+    for (std::size_t i = 0; i < static_cast<std::size_t>(context.cols); ++i) {
+      if (scratch.amplitude8[0][i] < kLeastAmplitude8 || (flags[i] & exposure.saturation_bit) != 0) continue;
+      const float contrast = scratch.amplitude8[0][i] / std::max(scratch.half8[i], 1.0F);
+      ++counts[static_cast<std::size_t>(std::min(contrast * 0.5F, 0.999F) * kBins)];
+      ++all;
+    }
+  }
+  if (all < kLeastPixels) return 0.0F;
+  int below = 0;
+  std::size_t bin = 0;
+  while (2 * (below += counts[bin]) < all) ++bin;
+  return 2.0F * (static_cast<float>(bin) + 0.5F) / kBins;
+}
+
+template float measure_contrast<std::uint8_t>(const RowContext&, RowScratch&, const ExposurePlan&, const AxisPlan&);
+template float measure_contrast<std::uint16_t>(const RowContext&, RowScratch&, const ExposurePlan&, const AxisPlan&);
+
+template <class Pixel>
 void finish_row(const RowContext& context, RowScratch& scratch, int row, const RowOutput& out) {
   const auto& exposures = context.plan->exposures;
   const bool both = out.x_px[0] != nullptr && out.x_px[1] != nullptr;
@@ -209,7 +244,7 @@ void finish_row(const RowContext& context, RowScratch& scratch, int row, const R
       if (axis.method == Method::kNotCoded) continue;
       const AxisPixels further{scratch.x_px[a].data(), scratch.axis_amplitude8[a].data(), scratch.axis_state[a].data()};
       const AxisPixels pixels = e == 0 ? target(a) : further;
-      decode_axis<Pixel>(context, exposures[e], axis, scratch, row, pixels);
+      decode_axis<Pixel>(context, exposures[e], axis, scratch, row, context.usual_contrast[e][a], pixels);
       if (exposures.size() == 1) continue;
       merge_exposure_row(exposed_row(*context.plan, axis, scratch, pixels), context.cols, e == 0,
                          {target(a), scratch.weight[a].data()});

@@ -61,12 +61,20 @@ struct RowContext {
   int cols = 0;
   int full_scale = 255;
   std::span<Ripple> ripples;  // by channel; filled when the last frame is there
+  // By exposure and axis: the usual amplitude of fringes over half the contrast (or the mean light) of their pixel.
+  std::array<std::array<float, 2>, kMaxExposures> usual_contrast{};
 
   [[nodiscard]] float to_level8() const { return 255.0F / static_cast<float>(full_scale); }
 };
 
 template <class Pixel>
 void fold_row(const RowContext& context, const FrameWork& work, const Pixel* levels, int row);
+
+// The median contrast of an axis in one exposure, over some rows; 0 where it says nothing: without Gray code beside the
+// fringes, or with too few pixels.
+template <class Pixel>
+float measure_contrast(const RowContext& context, RowScratch& scratch, const ExposurePlan& exposure,
+                       const AxisPlan& axis);
 
 // Fills `out`. Each step is one kernel over the row's pixels, from and to scratch that stays in the first-level cache;
 // a further step (a correction of `turn`, another reason in `state`) is a kernel more in decode_axis() of

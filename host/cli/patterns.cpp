@@ -122,7 +122,7 @@ contract_io::Json flash_answer(const lcr4500::FlashPlan& flash) {
 Result<Sequence> read_frames(const PatternOptions& options, const Session& session) {
   if (!std::filesystem::exists(options.sequence)) {
     return failure(ResultCode::kFileNotFound,
-                   "--sequence: expected fast, standard, robust or a sequence.json, found '%s'; check the path",
+                   "--sequence: expected fast, standard, robust, micro or a sequence.json, found '%s'; check the path",
                    contract_io::one_line(options.sequence).substr(0, 200).c_str());
   }
   contract_io::Warnings warnings;
@@ -230,7 +230,7 @@ Result<void> run(const PatternOptions& options, Session& session) {
 Run add_patterns(CLI::App& app) {
   const auto options = std::make_shared<PatternOptions>();
   app.add_option("--projector", options->projector, "the projector's size in pixels, e.g. 912x1140");
-  app.add_option("--sequence", options->sequence, "fast, standard, robust or a sequence.json (default standard)");
+  app.add_option("--sequence", options->sequence, "fast, standard, robust, micro or a sequence.json (default standard)");
   app.add_option("--axes", options->axes, "what to code of a projector's pixel (default column)")
       ->check(CLI::IsMember(choices(kSequenceAxesNames)));
   app.add_option("--exposures-us", options->exposures_us,
