@@ -84,7 +84,8 @@ Result<void> FrameCheck::judge_exposure(const FoldPlan& plan, std::size_t exposu
                      .findings = &findings_};
   find_extremes(levels);
   if (*std::max_element(high8_.begin(), high8_.begin() + probes_.count()) < kNothingLevel8) {
-    return failure(ResultCode::kFrameBlack, "every frame is black; check the projector and the lens cap");
+    return failure(ResultCode::kFrameBlack, "every frame is black; check the projector and the lens cap%s",
+                   full_scale > 255 ? ", and full_scale (12 bits: 4095)" : "");
   }
   if (levels.lit_count < kLeastLit) return {};
   for (const AxisPlan& axis : plan.exposures[exposure].axes) {

@@ -12,6 +12,8 @@ namespace {
 
 constexpr float kDarkShareOfContrast = 0.15F;
 constexpr float kNearlyAll = 0.95F;
+// Of a fringe's levels over a view of at least one period, as shares of the contrast: 0.35 at full modulation.
+constexpr float kWholeFringeSpread = 0.25F;
 // Two images of one pattern differ by noise, and by the flicker of the ambient light.
 constexpr float kFlickerShare = 0.02F;
 constexpr double kSameEnergy = 3.0;
@@ -29,6 +31,38 @@ float bright_share(const ProbeLevels& levels, int frame) {
     bright += levels.high8[at] - levels.level8(frame, i) < kDarkShareOfContrast * contrast ? 1 : 0;
   }
   return static_cast<float>(bright) / static_cast<float>(std::max(lit, 1));
+}
+
+// Standard deviation, over the lit probes, of how far a frame lies between darkest and brightest.
+float spread(const ProbeLevels& levels, int frame) {
+  float sum = 0.0F;
+  float squares = 0.0F;
+  float lit = 0.0F;
+  for (int i = 0; i < levels.probes->count(); i += levels.stride()) {
+    const auto at = static_cast<std::size_t>(i);
+    if (levels.lit[at] == 0) continue;
+    const float share = (levels.level8(frame, i) - levels.low8[at]) / (levels.high8[at] - levels.low8[at]);
+    sum += share;
+    squares += share * share;
+    lit += 1.0F;
+  }
+  const float mean = sum / std::max(lit, 1.0F);
+  return std::sqrt(std::max(squares / std::max(lit, 1.0F) - mean * mean, 0.0F));
+}
+
+// Whether the view holds only a small part of this phase frame's period, which may be all dark in one frame and alike
+// in two, but not dark in every frame.
+bool sees_part_of_period(const ProbeLevels& levels, int frame) {
+  const FrameSpec& spec = levels.spec(frame);
+  bool lit = false;
+  for (int f = 0; f < levels.frames(); ++f) {
+    const FrameSpec& other = levels.spec(f);
+    if (other.kind != FrameKind::kPhase || other.axis != spec.axis || other.period_px != spec.period_px) continue;
+    if (!levels.of_exposure(f)) continue;
+    if (spread(levels, f) > kWholeFringeSpread) return false;
+    lit = lit || dark_share(levels, f) < kNearlyAll;
+  }
+  return lit;
 }
 
 const char* name(const ProbeLevels& levels, int frame) { return levels.spec(frame).file.c_str(); }
@@ -63,11 +97,12 @@ Result<void> check_references(const ProbeLevels& levels) {
   return {};
 }
 
-// Frames that cannot be dark all over: fringes, white, and one of a Gray frame and its twin.
+// Frames that cannot be dark all over: whole fringes, white, and one of a Gray frame and its twin.
 Result<void> check_black(const ProbeLevels& levels) {
   for (int f = 0; f < levels.frames(); ++f) {
     const FrameKind kind = levels.spec(f).kind;
     if (kind == FrameKind::kBlack || !levels.of_exposure(f) || dark_share(levels, f) < kNearlyAll) continue;
+    if (kind == FrameKind::kPhase && sees_part_of_period(levels, f)) continue;
     const int twin = kind == FrameKind::kGray ? find_twin(levels, f) : kNone;
     if (kind == FrameKind::kGray && (twin == kNone || dark_share(levels, twin) < kNearlyAll)) continue;
     return failure(ResultCode::kFrameBlack, "%s is black where its pattern should light the scene", name(levels, f));
@@ -81,6 +116,8 @@ double expected_difference(const ProbeLevels& levels, int a, int b) {
   const FrameSpec& second = levels.spec(b);
   const bool phase_a = first.kind == FrameKind::kPhase;
   const bool phase_b = second.kind == FrameKind::kPhase;
+  if (phase_a && sees_part_of_period(levels, a)) return 0.0;
+  if (phase_b && sees_part_of_period(levels, b)) return 0.0;
   if (phase_a && phase_b && first.axis == second.axis && first.period_px == second.period_px) {
     const double shift =
         second.offset_rad - first.offset_rad +

@@ -123,7 +123,8 @@ double find_shift(const ProbeLevels& levels, const Early& early, int frame, bool
   Shift shift = solve(here, 0);
   if (!shift.certain || std::abs(shift.px) > kBeyondLinear_px) {
     int best_px = 0;
-    double most_alike = here.le / std::sqrt(here.ee);
+    const double alike_here = here.le / std::sqrt(here.ee);
+    double most_alike = alike_here;
     for (int whole_px = -kSearched_px; whole_px <= kSearched_px; ++whole_px) {
       const ShiftSums sums = sum_about(levels, early, frame, along_rows, whole_px);
       const double alike = sums.le / std::sqrt(std::max(sums.ee, 1e-9));
@@ -131,7 +132,10 @@ double find_shift(const ProbeLevels& levels, const Early& early, int frame, bool
       most_alike = alike;
       best_px = whole_px;
     }
-    shift = solve(sum_about(levels, early, frame, along_rows, best_px), best_px);
+    // Of smooth shading all shifts look about alike; noise then chooses.
+    if (most_alike - alike_here > kSignificant) {
+      shift = solve(sum_about(levels, early, frame, along_rows, best_px), best_px);
+    }
   }
   return shift.certain ? shift.px : 0.0;
 }

@@ -25,6 +25,53 @@ constexpr float kLeastAmplitude8 = 6.0F;
 constexpr double kPriorSlope = 0.6;
 constexpr double kPriorBend = 0.4;
 
+// Fewer periods in view than this do not spread the phases evenly.
+constexpr double kLeastPeriods = 3.0;
+constexpr int kViewLines = 8;
+
+// Fringe components of a channel as they lie in the store.
+template <class Sum>
+struct Fringe {
+  const RowContext& context;
+  const PhaseChannel& channel;
+  float least;  // amplitude, in counts
+
+  // The phase in turns; NaN where the fringe is weak.
+  [[nodiscard]] double turn(int row, int col) const {
+    const auto cosine = static_cast<double>(context.store.row<const Sum>(channel.cosine_plane, row)[col]);
+    const auto sine = static_cast<double>(context.store.row<const Sum>(channel.sine_plane, row)[col]);
+    if (std::hypot(cosine, sine) < static_cast<double>(least)) return NAN;
+    return std::atan2(sine, cosine) / (2.0 * kPi);
+  }
+};
+
+// By how many periods the phase advances along `count` pixels from one place on; gaps do not count.
+template <class At>
+double periods_along(int count, At turn_at) {
+  double advance = 0.0;
+  double before = NAN;
+  for (int i = 0; i < count; ++i) {
+    const double turn = turn_at(i);
+    const double step = turn - before;
+    if (!std::isnan(step)) advance += step - std::round(step);
+    before = turn;
+  }
+  return std::abs(advance);
+}
+
+// Of some rows and columns of the image, the most periods along one.
+template <class Sum>
+double periods_in_view(const Fringe<Sum>& fringe, int rows, int cols) {
+  double most = 0.0;
+  for (int line = 0; line < kViewLines && most < kLeastPeriods; ++line) {
+    const int row = (2 * line + 1) * rows / (2 * kViewLines);
+    const int col = (2 * line + 1) * cols / (2 * kViewLines);
+    most = std::max({most, periods_along(cols, [&](int c) { return fringe.turn(row, c); }),
+                     periods_along(rows, [&](int r) { return fringe.turn(r, col); })});
+  }
+  return most;
+}
+
 Terms terms_at(double x, double y) {
   Terms terms;
   terms << 1.0, x, y, x * x, x * y, y * y;
@@ -114,6 +161,7 @@ Ripple measure_ripple(const RowContext& context, const PhaseChannel& channel, in
   if (channel.equal_steps == 0 || channel.equal_steps > kMostSteps) return {};
   const double counts = sizeof(Pixel) == 1 ? channel.counts_per_level : 1.0;
   const float least = kLeastAmplitude8 / context.to_level8() * static_cast<float>(counts);
+  if (periods_in_view(Fringe<Sum>{context, channel, least}, rows, context.cols) < kLeastPeriods) return {};
   RippleMeter meter(channel.equal_steps, channel.offset_rad, rows, context.cols);
   for (int row = 0; row < rows; row += meter.row_step()) {
     meter.add_row(row, context.store.row<const Sum>(channel.cosine_plane, row),

@@ -45,7 +45,8 @@ class RippleMeter {
   std::array<Tile, kTileRows * kTileCols> tiles_{};
 };
 
-// Measures the ripple of a channel of the capture in `context`; none where its steps keep harmonics out.
+// Measures the ripple of a channel of the capture in `context`; none where its steps keep harmonics out,
+// or where the view holds too few of its periods.
 template <class Pixel>
 Ripple measure_ripple(const RowContext& context, const PhaseChannel& channel, int rows);
 

@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 #include <memory>
+#include <numeric>
 #include <vector>
 
 #include "commands.hpp"
@@ -118,6 +119,19 @@ std::string describe(const MeasuredCapture& measured, const PixelCounts& states,
   return text;
 }
 
+// Twelve bits in images of sixteen are dark all over where capture.json does not tell so.
+std::unexpected<Error> nothing_measured(const std::string& capture, const PixelCounts& states, int full_scale) {
+  const bool dark = 2 * states[1] > std::accumulate(states.begin(), states.end(), 0);
+  char scale[120] = "";
+  if (dark && full_scale > 255) {
+    std::snprintf(scale, sizeof scale, ", and that the camera's white is full_scale %d (12 bits: 4095)", full_scale);
+  }
+  return failure(ResultCode::kTooFewPoints,
+                 "%s: no pixel was measured (%d dark, %d saturated, %d without fringe, %d of uncertain order); check "
+                 "exposure, focus and calibration%s",
+                 capture.c_str(), states[1], states[2], states[3], states[4], scale);
+}
+
 Result<void> check_options(const DecodeOptions& options) {
   const bool cloud = !options.out.empty() || !options.xyz.empty() || !options.range.empty();
   if (cloud && options.calibration.empty()) {
@@ -146,10 +160,7 @@ Result<void> run(const DecodeOptions& options, Session& session) {
     if (auto written = write_quality(options.quality, **measured); !written) return written;
   }
   if (states[0] == 0 || (calibration && (*measured)->counts().points == 0)) {
-    return failure(ResultCode::kTooFewPoints,
-                   "%s: no pixel was measured (%d dark, %d saturated, %d without fringe, %d of uncertain order); check "
-                   "exposure, focus and calibration",
-                   options.capture.c_str(), states[1], states[2], states[3], states[4]);
+    return nothing_measured(options.capture, states, (*measured)->header().full_scale);
   }
   if (auto written = write_outputs(options, **measured); !written) return written;
   session.answer(answer, describe(**measured, states, answer));

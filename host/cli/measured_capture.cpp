@@ -85,6 +85,7 @@ Result<void> MeasuredCapture::decode(contract_io::CaptureReader& reader, contrac
   if (!code) return std::unexpected(code.error());
   timing_.decode_ms = watch.elapsed_ms();
   code_ = *code;
+  warn_of(decoder_->findings(), header_.id, warnings);
   mask_edges(code_);
   return {};
 }
