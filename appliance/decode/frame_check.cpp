@@ -54,7 +54,9 @@ FrameCheck::FrameCheck(Arena& arena, int rows, int cols, int frames) : probes_(a
   const auto count = static_cast<std::size_t>(FrameProbes::kRowLines * cols + FrameProbes::kColumnLines * rows);
   low8_ = arena.take<float>("frame probes", count);
   high8_ = arena.take<float>("frame probes", count);
-  early8_ = arena.take<float>("frame probes", count);
+  for (std::span<float>* row : {&motion_.early8, &motion_.texture8, &motion_.slope8, &motion_.late8}) {
+    *row = arena.take<float>("frame probes", count);
+  }
   lit_ = arena.take<std::uint8_t>("frame probes", count);
   steps_ = arena.take<WordStep>("frame probes", kMaxSteps);
 }
@@ -96,7 +98,7 @@ Result<void> FrameCheck::judge_exposure(const FoldPlan& plan, std::size_t exposu
   for (const Axis axis : {Axis::kColumn, Axis::kRow}) {
     if (auto checked = judge_axis(levels, exposure, axis); !checked) return checked;
   }
-  return check_motion(levels, early8_);
+  return check_motion(levels, motion_);
 }
 
 Result<void> FrameCheck::judge_axis(const ProbeLevels& levels, std::size_t exposure, Axis axis) {

@@ -53,9 +53,12 @@ struct FringeSums;  // decode/fringe_sums.hpp
 Result<void> check_fringe(const ProbeLevels& levels, int channel, const FringeSums& sums);
 // Ambient and projected light are the same in every phase frame. Findings: kLightFlickers, kExposureBeats.
 void check_light(const ProbeLevels& levels, const FringeSums& sums);
-// The texture stays where it is. Error, or finding where it moved little: kBeltMovedDuringCapture. `early8` is scratch,
-// one a probe.
-Result<void> check_motion(const ProbeLevels& levels, std::span<float> early8);
+// Room for the levels of a texture, by probe.
+struct MotionScratch {
+  std::span<float> early8, texture8, slope8, late8;
+};
+// The texture stays where it is. Error, or finding where it moved little: kBeltMovedDuringCapture.
+Result<void> check_motion(const ProbeLevels& levels, const MotionScratch& scratch);
 // The frames of a bit are each other's inverse. Error: kSequenceOrderWrong.
 Result<void> check_twins(const ProbeLevels& levels, const GrayCode& code);
 
@@ -99,7 +102,8 @@ class FrameCheck {
   static constexpr std::size_t kMaxSteps = 2048;
   FrameProbes probes_;
   Findings findings_;
-  std::span<float> low8_, high8_, early8_;
+  std::span<float> low8_, high8_;
+  MotionScratch motion_;
   std::span<std::uint8_t> lit_;
   std::span<WordStep> steps_;
 };

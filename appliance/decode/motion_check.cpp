@@ -24,11 +24,13 @@ constexpr int kReach = 5;  // probes either side whose mean is taken off: what v
 constexpr double kTextureOverNoise = 1.5;
 constexpr double kOfOneTexture = 0.5;  // of the gain that the levels tell: less of the early texture is not it
 
-// The texture under even light that the first frames show.
+// The texture under even light that the first frames show, by probe.
 struct Early {
-  std::span<float> level8;   // by probe
-  int last_frame = kNone;    // of those that show it; kNone where there is none
-  float noise_share = 1.0F;  // of the variance of one frame
+  std::span<float> level8;
+  std::span<float> texture8;  // what a level has over the mean of its neighbours
+  std::span<float> slope8;    // how fast the level grows along the line, over the mean of its neighbours
+  int last_frame = kNone;     // of those that show it; kNone where there is none
+  float noise_share = 1.0F;   // of the variance of one frame
 };
 
 // Sums of the least squares for gain and gain * shift, of levels less their neighbours' mean.
@@ -60,15 +62,6 @@ bool bright(const ProbeLevels& levels, int frame, int i) {
   return levels.lit[at] != 0 && levels.level8(frame, i) > levels.low8[at] + kBrightShare * contrast;
 }
 
-// True where the probes from i - reach to i + reach lie beside each other.
-bool joined(const ProbeLevels& levels, int i, int reach) {
-  const int last = levels.probes->count() - 1;
-  for (int k = i - reach; k < i + reach; ++k) {
-    if (k < 0 || k + 1 > last || !levels.probes->joined(k)) return false;
-  }
-  return true;
-}
-
 // Calls use(i) for the probes of `frame` that lie well within a bright stripe, along rows or columns of the image.
 template <class Use>
 void for_bright(const ProbeLevels& levels, int frame, bool along_rows, Use use) {
@@ -83,42 +76,53 @@ void for_bright(const ProbeLevels& levels, int frame, bool along_rows, Use use) 
   }
 }
 
-// What level(i) has over the mean of its neighbours.
-template <class Level>
-double texture(Level level, int i) {
-  double sum = 0.0;
-  for (int k = i - kReach; k <= i + kReach; ++k) sum += static_cast<double>(level(k));
-  return static_cast<double>(level(i)) - sum / (2 * kReach + 1);
+// What value(i) has over the mean of its neighbours, for all probes at least `margin` from the ends of their line.
+template <class Value>
+void local_contrast(const FrameProbes& probes, int margin, Value value, std::span<float> out) {
+  constexpr float kShare = 1.0F / (2 * kReach + 1);
+  for (int first = 0; first < probes.count(); first += probes.line_length(first)) {
+    const int begin = first + margin;
+    const int end = first + probes.line_length(first) - margin;
+    float sum = 0.0F;
+    for (int k = begin - kReach; k < begin + kReach && begin < end; ++k) sum += value(k);
+    for (int i = begin; i < end; ++i) {
+      sum += value(i + kReach);
+      out[static_cast<std::size_t>(i)] = value(i) - sum * kShare;
+      sum -= value(i - kReach);
+    }
+  }
 }
 
-// Least squares about a shift by whole pixels.
-ShiftSums sum_about(const ProbeLevels& levels, const Early& early, int frame, bool along_rows, int whole_px) {
+// Least squares about a shift by whole pixels. `late8`: the frame's local contrast.
+ShiftSums sum_about(const ProbeLevels& levels, const Early& early, std::span<const float> late8, int frame,
+                    bool along_rows, int whole_px) {
   ShiftSums sums;
-  const auto early_at = [&](int k) { return early.level8[static_cast<std::size_t>(k - whole_px)]; };
-  const auto slope_at = [&](int k) { return 0.5F * (early_at(k + 1) - early_at(k - 1)); };
-  const auto late_at = [&](int k) { return levels.level8(frame, k); };
+  const int margin = std::abs(whole_px) + kReach + 1;
   for_bright(levels, frame, along_rows, [&](int i) {
-    if (!joined(levels, i, std::abs(whole_px) + kReach + 1)) return;
-    const double before = texture(early_at, i);
-    const double steep = texture(slope_at, i);
-    const double after = texture(late_at, i);
-    const double variance = static_cast<double>(kCameraNoise.variance(late_at(i)));
-    sums.ee += before * before / variance;
-    sums.eg += before * steep / variance;
-    sums.gg += steep * steep / variance;
-    sums.le += after * before / variance;
-    sums.lg += after * steep / variance;
-    sums.early += static_cast<double>(early_at(i));
-    sums.late += static_cast<double>(late_at(i));
-    sums.noise += static_cast<double>(early.noise_share * kCameraNoise.variance(early_at(i))) / variance;
+    if (levels.probes->to_line_end(i) < margin) return;
+    const auto at = static_cast<std::size_t>(i - whole_px);
+    const auto before = static_cast<double>(early.texture8[at]);
+    const auto steep = static_cast<double>(early.slope8[at]);
+    const auto after = static_cast<double>(late8[static_cast<std::size_t>(i)]);
+    const float late_level8 = levels.level8(frame, i);
+    const double weight = 1.0 / static_cast<double>(kCameraNoise.variance(late_level8));
+    sums.ee += before * before * weight;
+    sums.eg += before * steep * weight;
+    sums.gg += steep * steep * weight;
+    sums.le += after * before * weight;
+    sums.lg += after * steep * weight;
+    sums.early += static_cast<double>(early.level8[at]);
+    sums.late += static_cast<double>(late_level8);
+    sums.noise += static_cast<double>(early.noise_share * kCameraNoise.variance(early.level8[at])) * weight;
     ++sums.probes;
   });
   return sums;
 }
 
 // The shift of `frame` against the early texture, along rows (x) or columns (y) of the image; 0 where none is certain.
-double find_shift(const ProbeLevels& levels, const Early& early, int frame, bool along_rows) {
-  const ShiftSums here = sum_about(levels, early, frame, along_rows, 0);
+double find_shift(const ProbeLevels& levels, const Early& early, std::span<const float> late8, int frame,
+                  bool along_rows) {
+  const ShiftSums here = sum_about(levels, early, late8, frame, along_rows, 0);
   if (here.probes < kLeastProbes || here.ee < kTextureOverNoise * here.noise) return 0.0;
   Shift shift = solve(here, 0);
   if (!shift.certain || std::abs(shift.px) > kBeyondLinear_px) {
@@ -126,7 +130,7 @@ double find_shift(const ProbeLevels& levels, const Early& early, int frame, bool
     const double alike_here = here.le / std::sqrt(here.ee);
     double most_alike = alike_here;
     for (int whole_px = -kSearched_px; whole_px <= kSearched_px; ++whole_px) {
-      const ShiftSums sums = sum_about(levels, early, frame, along_rows, whole_px);
+      const ShiftSums sums = sum_about(levels, early, late8, frame, along_rows, whole_px);
       const double alike = sums.le / std::sqrt(std::max(sums.ee, 1e-9));
       if (sums.probes < kLeastProbes || alike <= most_alike) continue;
       most_alike = alike;
@@ -134,32 +138,43 @@ double find_shift(const ProbeLevels& levels, const Early& early, int frame, bool
     }
     // Of smooth shading all shifts look about alike; noise then chooses.
     if (most_alike - alike_here > kSignificant) {
-      shift = solve(sum_about(levels, early, frame, along_rows, best_px), best_px);
+      shift = solve(sum_about(levels, early, late8, frame, along_rows, best_px), best_px);
     }
   }
   return shift.certain ? shift.px : 0.0;
 }
 
 // From the white frame, or the mean of the first period's phase frames.
-Early gather_early(const ProbeLevels& levels, std::span<float> early8) {
+Early gather_levels(const ProbeLevels& levels, const MotionScratch& scratch) {
+  const std::span<float> early8 = scratch.early8;
   const auto count = static_cast<std::size_t>(levels.probes->count());
   int channel = kNone;
   for (int f = 0; f < levels.frames() && channel == kNone; ++f) {
     if (!levels.of_exposure(f)) continue;
     if (levels.spec(f).kind == FrameKind::kWhite) {
       for (std::size_t i = 0; i < count; ++i) early8[i] = levels.level8(f, static_cast<int>(i));
-      return {early8, f, 1.0F};
+      return {early8, scratch.texture8, scratch.slope8, f, 1.0F};
     }
     channel = levels.plan->frames[static_cast<std::size_t>(f)].accumulate.channel;
   }
   if (channel == kNone) return {};
   const PhaseChannel& fringes = levels.plan->channels[static_cast<std::size_t>(channel)];
-  Early early{early8, fringes.last_frame, 1.0F / static_cast<float>(fringes.frames)};
+  Early early{early8, scratch.texture8, scratch.slope8, fringes.last_frame, 1.0F / static_cast<float>(fringes.frames)};
   std::fill_n(early8.begin(), count, 0.0F);
   for (int f = 0; f <= fringes.last_frame; ++f) {
     if (levels.plan->frames[static_cast<std::size_t>(f)].accumulate.channel != channel) continue;
     for (std::size_t i = 0; i < count; ++i) early8[i] += early.noise_share * levels.level8(f, static_cast<int>(i));
   }
+  return early;
+}
+
+Early gather_early(const ProbeLevels& levels, const MotionScratch& scratch) {
+  const Early early = gather_levels(levels, scratch);
+  if (early.last_frame == kNone) return early;
+  const auto level8 = [&](int k) { return early.level8[static_cast<std::size_t>(k)]; };
+  local_contrast(*levels.probes, kReach, level8, early.texture8);
+  local_contrast(
+      *levels.probes, kReach + 1, [&](int k) { return 0.5F * (level8(k + 1) - level8(k - 1)); }, early.slope8);
   return early;
 }
 
@@ -181,8 +196,8 @@ Error moved(const ProbeLevels& levels, const Farthest& at) {
 
 }  // namespace
 
-Result<void> check_motion(const ProbeLevels& levels, std::span<float> early8) {
-  const Early early = gather_early(levels, early8);
+Result<void> check_motion(const ProbeLevels& levels, const MotionScratch& scratch) {
+  const Early early = gather_early(levels, scratch);
   if (early.last_frame == kNone) return {};
   // One frame may be misled by what its bright stripes happen to show: the second farthest is believed.
   Farthest first, second;
@@ -190,7 +205,10 @@ Result<void> check_motion(const ProbeLevels& levels, std::span<float> early8) {
     const FrameKind kind = levels.spec(f).kind;
     if (!levels.of_exposure(f) || (kind != FrameKind::kGray && kind != FrameKind::kWhite)) continue;
     if (levels.spec(f).inverted) continue;  // beside its twin
-    const Farthest here{f, find_shift(levels, early, f, true), find_shift(levels, early, f, false)};
+    local_contrast(
+        *levels.probes, kReach, [&](int k) { return levels.level8(f, k); }, scratch.late8);
+    const Farthest here{f, find_shift(levels, early, scratch.late8, f, true),
+                        find_shift(levels, early, scratch.late8, f, false)};
     if (here.px() > first.px()) second = first;
     Farthest& beaten = here.px() > first.px() ? first : second;
     if (here.px() > beaten.px()) beaten = here;
