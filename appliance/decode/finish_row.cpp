@@ -21,9 +21,9 @@ constexpr double kMostNoisePx = 0.18;
 constexpr float kAmplePhaseSigmas = 16.0F;
 // Where only the mean of the fringes is known, light is there if a fringe of this share of it would be measured.
 constexpr float kLeastContrast = 0.25F;
-// Light that other surfaces throw carries broad stripes, but not fine fringes. Where it exceeds the projector's own, so
-// that it may turn Gray bits over, less than half of the usual contrast is left to the fringes.
-constexpr float kDirectShare = 0.42F;
+// Light that other surfaces throw carries broad stripes, but not fine fringes. Where it exceeds half of the projector's
+// own, it may turn Gray bits over; less than two thirds of the usual contrast are left to the fringes there.
+constexpr float kDirectShare = 0.6F;
 // What exposures may differ by without noise: a belt that settles, ambient light that flickers, saturation that starts.
 constexpr float kExposureSlackPx = 0.25F;
 // A bright and a dark Gray stripe lie this many standard deviations from their threshold: one in 100,000 is misread.

@@ -49,6 +49,18 @@ double depth_per_px(const WorkingPoint& at, Axis axis) {
   return 2.0 * step_mm / std::max(px, 1e-9);
 }
 
+// The same light from an image of other pixels.
+void resize(Lens& lens, const ProjectorGrid& projector) {
+  const double across = static_cast<double>(projector.width) / lens.width;
+  const double down = static_cast<double>(projector.height) / lens.height;
+  lens.fx_px *= across;
+  lens.fy_px *= down;
+  lens.cx_px = (lens.cx_px + 0.5) * across - 0.5;
+  lens.cy_px = (lens.cy_px + 0.5) * down - 0.5;
+  lens.width = projector.width;
+  lens.height = projector.height;
+}
+
 const char* name_of(Axis axis) { return axis == Axis::kColumn ? "column" : "row"; }
 
 }  // namespace
@@ -61,12 +73,12 @@ double AxisForecast::sigma_mm(double modulation) const {
 
 Result<WorkingPoint> default_working_point(const ProjectorGrid& projector) {
   virtual_cell::RigOptions options;
-  options.projector_width = projector.width;
-  options.projector_height = projector.height;
   options.layout = projector.layout;
   const auto rig = virtual_cell::make_rig(options);
   if (!rig) return std::unexpected(rig.error());
-  return WorkingPoint{virtual_cell::calibrate_rig(*rig).calibration, options.camera_distance_mm};
+  WorkingPoint at{virtual_cell::calibrate_rig(*rig).calibration, options.camera_distance_mm};
+  resize(at.calibration.projector, projector);
+  return at;
 }
 
 Result<WorkingPoint> working_point(const Calibration& calibration, double distance_mm) {

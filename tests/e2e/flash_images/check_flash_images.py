@@ -106,7 +106,7 @@ def main():
     expected = {
         ("fast", "column"): (47, 2, 0),
         ("standard", "column"): (72, 3, 200),
-        ("robust", "column"): (114, 5, 600),
+        ("robust", "column"): (115, 6, 800),
         ("fast", "both"): (94, 4, 400),
     }
     for (sequence, axes), (planes, images, load_ms) in expected.items():
