@@ -1,5 +1,6 @@
 #include "decode/decoder.hpp"
 
+#include "base/units.hpp"
 #include "contract/result_codes.hpp"
 #include "decode/repeat_row.hpp"
 #include "decode/ripple.hpp"
@@ -9,6 +10,19 @@ namespace {
 
 std::size_t pixel_count(const DecoderLimits& limits) {
   return static_cast<std::size_t>(limits.rows) * static_cast<std::size_t>(limits.cols);
+}
+
+// A channel that could not be measured, as of a coarse period in part, ripples as another of as many steps does: it is
+// one projector's.
+void borrow_ripple(const FoldPlan& plan, std::size_t channel, std::span<Ripple> ripples) {
+  const PhaseChannel& fringes = plan.channels[channel];
+  if (ripples[channel].orders > 0 || fringes.equal_steps == 0) return;
+  for (std::size_t other = 0; other < plan.channels.size(); ++other) {
+    if (ripples[other].orders == 0 || plan.channels[other].equal_steps != fringes.equal_steps) continue;
+    ripples[channel] = ripples[other];
+    ripples[channel].offset_turns = static_cast<float>(fringes.offset_rad / (2.0 * kPi));
+    return;
+  }
 }
 
 }  // namespace
@@ -153,6 +167,7 @@ void Decoder::measure_ripples() {
     ripple = pixel_bytes_ == 1 ? measure_ripple<std::uint8_t>(context_, plan.channels[c], rows_)
                                : measure_ripple<std::uint16_t>(context_, plan.channels[c], rows_);
   }
+  for (std::size_t c = 0; c < plan.channels.size(); ++c) borrow_ripple(plan, c, context_.ripples);
 }
 
 void Decoder::measure_contrasts() {

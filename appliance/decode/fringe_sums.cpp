@@ -4,12 +4,14 @@
 
 #include "base/camera_noise.hpp"
 #include "base/units.hpp"
+#include "decode/phase_advance.hpp"
 
 namespace beltpick::decode {
 namespace {
 
-constexpr int kEvery = 3;                // enough witnesses, and cheap
-constexpr double kLeastVariance = 25.0;  // of a witness's levels over their noise
+constexpr int kEvery = 3;                 // enough witnesses, and cheap
+constexpr double kLeastAmplitude8 = 4.0;  // of a probe whose phase counts
+constexpr double kLeastVariance = 25.0;   // of a witness's levels over their noise
 
 // The levels of one probe as a fringe.
 struct ProbeFringe {
@@ -78,6 +80,28 @@ FringeSums sum_fringe(const ProbeLevels& levels, int channel) {
     for (std::size_t b = 0; b < a; ++b) sums.together[b][a] = sums.together[a][b];
   }
   return sums;
+}
+
+double periods_in_view(const ProbeLevels& levels, int channel) {
+  const auto turn_at = [&](int i) -> double {
+    if (levels.lit[static_cast<std::size_t>(i)] == 0) return NAN;
+    double cosine = 0.0;
+    double sine = 0.0;
+    for (int f = 0; f < levels.frames(); ++f) {
+      const Accumulate& work = levels.plan->frames[static_cast<std::size_t>(f)].accumulate;
+      if (work.channel != channel) continue;
+      cosine += static_cast<double>(work.cosine_weight * levels.level8(f, i));
+      sine += static_cast<double>(work.sine_weight * levels.level8(f, i));
+    }
+    return std::hypot(cosine, sine) < kLeastAmplitude8 ? NAN : std::atan2(sine, cosine) / (2.0 * kPi);
+  };
+  double most = 0.0;
+  for (int first = 0, i = 0; i < levels.probes->count(); ++i) {
+    if (i + 1 < levels.probes->count() && levels.probes->joined(i)) continue;
+    most = std::max(most, periods_along(i + 1 - first, [&](int k) { return turn_at(first + k); }));
+    first = i + 1;
+  }
+  return most;
 }
 
 FrameMatrix unexplained(std::size_t frames, const FrameVector& shift_rad) {

@@ -31,6 +31,9 @@ struct FringeSums {
 // many or of other exposures.
 FringeSums sum_fringe(const ProbeLevels& levels, int channel);
 
+// Of the lines of probes, the most periods of a channel along one.
+double periods_in_view(const ProbeLevels& levels, int channel);
+
 // The projection that takes from a vector of levels what no fringe of these shifts can explain.
 FrameMatrix unexplained(std::size_t frames, const FrameVector& shift_rad);
 

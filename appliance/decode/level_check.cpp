@@ -6,14 +6,14 @@
 #include "base/units.hpp"
 #include "contract/result_codes.hpp"
 #include "decode/frame_check.hpp"
+#include "decode/fringe_sums.hpp"
 
 namespace beltpick::decode {
 namespace {
 
 constexpr float kDarkShareOfContrast = 0.15F;
 constexpr float kNearlyAll = 0.95F;
-// Of a fringe's levels over a view of at least one period, as shares of the contrast: 0.35 at full modulation.
-constexpr float kWholeFringeSpread = 0.25F;
+constexpr double kPartOfPeriod = 0.5;  // in view: may be all dark in one frame, and alike in two
 // Two images of one pattern differ by noise, and by the flicker of the ambient light.
 constexpr float kFlickerShare = 0.02F;
 constexpr double kSameEnergy = 3.0;
@@ -33,36 +33,16 @@ float bright_share(const ProbeLevels& levels, int frame) {
   return static_cast<float>(bright) / static_cast<float>(std::max(lit, 1));
 }
 
-// Standard deviation, over the lit probes, of how far a frame lies between darkest and brightest.
-float spread(const ProbeLevels& levels, int frame) {
-  float sum = 0.0F;
-  float squares = 0.0F;
-  float lit = 0.0F;
-  for (int i = 0; i < levels.probes->count(); i += levels.stride()) {
-    const auto at = static_cast<std::size_t>(i);
-    if (levels.lit[at] == 0) continue;
-    const float share = (levels.level8(frame, i) - levels.low8[at]) / (levels.high8[at] - levels.low8[at]);
-    sum += share;
-    squares += share * share;
-    lit += 1.0F;
-  }
-  const float mean = sum / std::max(lit, 1.0F);
-  return std::sqrt(std::max(squares / std::max(lit, 1.0F) - mean * mean, 0.0F));
-}
-
-// Whether the view holds only a small part of this phase frame's period, which may be all dark in one frame and alike
-// in two, but not dark in every frame.
+// Whether the view holds only a part of this phase frame's period; some frame of it must be lit.
 bool sees_part_of_period(const ProbeLevels& levels, int frame) {
-  const FrameSpec& spec = levels.spec(frame);
+  const int channel = levels.plan->frames[static_cast<std::size_t>(frame)].accumulate.channel;
+  if (channel == kNone) return false;  // a pattern shown again
   bool lit = false;
-  for (int f = 0; f < levels.frames(); ++f) {
-    const FrameSpec& other = levels.spec(f);
-    if (other.kind != FrameKind::kPhase || other.axis != spec.axis || other.period_px != spec.period_px) continue;
-    if (!levels.of_exposure(f)) continue;
-    if (spread(levels, f) > kWholeFringeSpread) return false;
-    lit = lit || dark_share(levels, f) < kNearlyAll;
+  for (int f = 0; f < levels.frames() && !lit; ++f) {
+    lit = levels.plan->frames[static_cast<std::size_t>(f)].accumulate.channel == channel &&
+          dark_share(levels, f) < kNearlyAll;
   }
-  return lit;
+  return lit && periods_in_view(levels, channel) < kPartOfPeriod;
 }
 
 const char* name(const ProbeLevels& levels, int frame) { return levels.spec(frame).file.c_str(); }

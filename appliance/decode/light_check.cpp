@@ -5,6 +5,7 @@
 
 #include "contract/result_codes.hpp"
 #include "decode/fringe_sums.hpp"
+#include "decode/phase_advance.hpp"
 
 namespace beltpick::decode {
 namespace {
@@ -98,11 +99,13 @@ void check_light(const ProbeLevels& levels, const FringeSums& sums) {
   const bool gains_explain = root_mean_square(offsets, sums.frames, frames - 3.0) < kOfOneCause * level;
   const bool gains_prevail = level < gain && level > kLevelOverGain * gain;
   const bool level_shows = level * mean_over_noise > kShownByLevel * kTolerated;
-  if (gain * mean_over_noise > kTolerated && (gains_explain || (gains_prevail && level_shows))) {
-    levels.findings->add(beat(gain));
-  } else if (level > gain && level * mean_over_noise > kTolerated) {
-    levels.findings->add(flicker(level, levels.exposure_us));
-  }
+  const bool beats = gain * mean_over_noise > kTolerated && (gains_explain || (gains_prevail && level_shows));
+  const bool flickers = level > gain && level * mean_over_noise > kTolerated;
+  if (!beats && !flickers) return;
+  // Of a part of a period the harmonics of the projector's gamma look like either.
+  const int channel = levels.plan->frames[static_cast<std::size_t>(sums.index[0])].accumulate.channel;
+  if (periods_in_view(levels, channel) < kEvenlySpreadPeriods) return;
+  levels.findings->add(beats ? beat(gain) : flicker(level, levels.exposure_us));
 }
 
 }  // namespace beltpick::decode

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "base/units.hpp"
+#include "decode/phase_advance.hpp"
 
 namespace beltpick::decode {
 namespace {
@@ -25,8 +26,6 @@ constexpr float kLeastAmplitude8 = 6.0F;
 constexpr double kPriorSlope = 0.6;
 constexpr double kPriorBend = 0.4;
 
-// Fewer periods in view than this do not spread the phases evenly.
-constexpr double kLeastPeriods = 3.0;
 constexpr int kViewLines = 8;
 
 // Fringe components of a channel as they lie in the store.
@@ -45,25 +44,11 @@ struct Fringe {
   }
 };
 
-// By how many periods the phase advances along `count` pixels from one place on; gaps do not count.
-template <class At>
-double periods_along(int count, At turn_at) {
-  double advance = 0.0;
-  double before = NAN;
-  for (int i = 0; i < count; ++i) {
-    const double turn = turn_at(i);
-    const double step = turn - before;
-    if (!std::isnan(step)) advance += step - std::round(step);
-    before = turn;
-  }
-  return std::abs(advance);
-}
-
 // Of some rows and columns of the image, the most periods along one.
 template <class Sum>
 double periods_in_view(const Fringe<Sum>& fringe, int rows, int cols) {
   double most = 0.0;
-  for (int line = 0; line < kViewLines && most < kLeastPeriods; ++line) {
+  for (int line = 0; line < kViewLines && most < kEvenlySpreadPeriods; ++line) {
     const int row = (2 * line + 1) * rows / (2 * kViewLines);
     const int col = (2 * line + 1) * cols / (2 * kViewLines);
     most = std::max({most, periods_along(cols, [&](int c) { return fringe.turn(row, c); }),
@@ -161,7 +146,7 @@ Ripple measure_ripple(const RowContext& context, const PhaseChannel& channel, in
   if (channel.equal_steps == 0 || channel.equal_steps > kMostSteps) return {};
   const double counts = sizeof(Pixel) == 1 ? channel.counts_per_level : 1.0;
   const float least = kLeastAmplitude8 / context.to_level8() * static_cast<float>(counts);
-  if (periods_in_view(Fringe<Sum>{context, channel, least}, rows, context.cols) < kLeastPeriods) return {};
+  if (periods_in_view(Fringe<Sum>{context, channel, least}, rows, context.cols) < kEvenlySpreadPeriods) return {};
   RippleMeter meter(channel.equal_steps, channel.offset_rad, rows, context.cols);
   for (int row = 0; row < rows; row += meter.row_step()) {
     meter.add_row(row, context.store.row<const Sum>(channel.cosine_plane, row),

@@ -73,7 +73,8 @@ inline RigFrames grays(const std::string& axis, double cell_px, int extent_px, i
 struct RigSize {
   int camera_width = 0, camera_height = 0;
   int projector_width = 0, projector_height = 0;
-  double zoom = 0.9;  // projector pixels a camera pixel; below zero where the two see mirrored
+  double zoom = 0.9;   // projector pixels a camera pixel; below zero where the two see mirrored
+  double gamma = 1.0;  // of the projector
 };
 
 // What the camera sees: a projector coordinate, a gain and an ambient level (of 255) for each pixel.
@@ -121,7 +122,8 @@ inline std::vector<double> rig_levels(const RigScene& scene, const RigFrame& fra
     double light = 0.0;
     if (scene.gain[i] > 0.0) {
       for (const double blur_px : {-0.6, -0.2, 0.2, 0.6})
-        light += 0.25 * frame.light(scene.column_px[i] + blur_px, scene.row_px[i] + blur_px);
+        light +=
+            0.25 * std::pow(frame.light(scene.column_px[i] + blur_px, scene.row_px[i] + blur_px), scene.size.gamma);
     }
     const double level = scene.gain[i] * light + scene.ambient[i];
     double normal = -6.0;

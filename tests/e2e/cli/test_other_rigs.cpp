@@ -153,6 +153,36 @@ TEST_CASE("Other geometry decodes", "[rigs]") {
   }
 }
 
+TEST_CASE("Other projectors' gamma decodes", "[rigs]") {
+  for (const double gamma : {0.6, 1.8, 2.4}) {
+    INFO("gamma " << gamma);
+    const RigSize size{323, 241, 1280, 800, 0.9, gamma};
+    check_decodes({"steps and code", size, usual(), 0.6, 5});
+    check_decodes({"three steps and code", size, {phases(kRow, 18, 3), grays(kRow, 9, 800)}, 0.9, 5});
+    check_decodes({"coarse to fine, five steps",
+                   size,
+                   {phases(kColumn, 1280, 5), phases(kColumn, 160, 5), phases(kColumn, 20, 5)},
+                   0.6,
+                   5});
+    check_decodes({"coarse to fine, four steps",
+                   size,
+                   {phases(kColumn, 1280, 4), phases(kColumn, 160, 4), phases(kColumn, 20, 4)},
+                   0.6,
+                   5});
+    check_decodes({"coarse to fine, three steps",
+                   size,
+                   {phases(kColumn, 1280, 3), phases(kColumn, 160, 3), phases(kColumn, 20, 3)},
+                   0.9,
+                   5});
+    check_decodes({"three periods, three steps",
+                   size,
+                   {phases(kColumn, 18, 3), phases(kColumn, 20.5, 3), phases(kColumn, 23, 3)},
+                   0.9,
+                   5});
+    check_decodes({"Gray alone", size, {white_black(), grays(kColumn, 2, 1280)}, 2.0, 4});
+  }
+}
+
 TEST_CASE("Images of other depths and files decode", "[rigs]") {
   check_decodes({"16 bits", kUsual, usual(), 0.6, 5, png16(65535), {{"full_scale", 65535}}});
   check_decodes({"16 bits, full scale untold", kUsual, usual(), 0.6, 5, png16(65535)});
