@@ -68,10 +68,22 @@ FrameProbes::FrameProbes(Arena& arena, int rows, int cols, int frames)
 
 Result<void> FrameCheck::judge(const FoldPlan& plan, int full_scale) {
   findings_.clear();
+  if (auto checked = check_light_at_all(plan, full_scale); !checked) return checked;
   for (std::size_t e = 0; e < plan.exposures.size(); ++e) {
     if (auto judged = judge_exposure(plan, e, full_scale); !judged) return judged;
   }
   return {};
+}
+
+// One exposure of several may be too short for what the others show.
+Result<void> FrameCheck::check_light_at_all(const FoldPlan& plan, int full_scale) const {
+  const float to_level8 = 255.0F / static_cast<float>(full_scale);
+  for (int f = 0; f < static_cast<int>(plan.frames.size()); ++f) {
+    const auto levels = probes_.levels(f);
+    if (to_level8 * static_cast<float>(*std::max_element(levels.begin(), levels.end())) >= kNothingLevel8) return {};
+  }
+  return failure(ResultCode::kFrameBlack, "every frame is black; check the projector and the lens cap%s",
+                 full_scale > 255 ? ", and full_scale (12 bits: 4095)" : "");
 }
 
 Result<void> FrameCheck::judge_exposure(const FoldPlan& plan, std::size_t exposure, int full_scale) {
@@ -85,10 +97,6 @@ Result<void> FrameCheck::judge_exposure(const FoldPlan& plan, std::size_t exposu
                      .lit = lit_,
                      .findings = &findings_};
   find_extremes(levels);
-  if (*std::max_element(high8_.begin(), high8_.begin() + probes_.count()) < kNothingLevel8) {
-    return failure(ResultCode::kFrameBlack, "every frame is black; check the projector and the lens cap%s",
-                   full_scale > 255 ? ", and full_scale (12 bits: 4095)" : "");
-  }
   if (levels.lit_count < kLeastLit) return {};
   for (const AxisPlan& axis : plan.exposures[exposure].axes) {
     if (axis.channels.empty()) continue;

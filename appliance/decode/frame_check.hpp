@@ -96,6 +96,7 @@ class FrameCheck {
   [[nodiscard]] std::span<const Error> findings() const { return findings_.all(); }
 
  private:
+  [[nodiscard]] Result<void> check_light_at_all(const FoldPlan& plan, int full_scale) const;
   Result<void> judge_exposure(const FoldPlan& plan, std::size_t exposure, int full_scale);
   Result<void> judge_axis(const ProbeLevels& levels, std::size_t exposure, Axis axis);
 

@@ -70,11 +70,25 @@ inline RigFrames grays(const std::string& axis, double cell_px, int extent_px, i
   return frames;
 }
 
+// The frames once more for each exposure; the scene's levels are those of 8 ms.
+inline RigFrames exposed(const RigFrames& frames, const std::vector<double>& exposures_us) {
+  RigFrames all;
+  for (const double exposure_us : exposures_us) {
+    for (RigFrame frame : frames) {
+      frame.entry["exposure_us"] = exposure_us;
+      all.push_back(frame);
+    }
+  }
+  return all;
+}
+
 struct RigSize {
   int camera_width = 0, camera_height = 0;
   int projector_width = 0, projector_height = 0;
-  double zoom = 0.9;   // projector pixels a camera pixel; below zero where the two see mirrored
-  double gamma = 1.0;  // of the projector
+  double zoom = 0.9;    // projector pixels a camera pixel; below zero where the two see mirrored
+  double gamma = 1.0;   // of the projector
+  double gain = 150.0;  // level (of 255) of the mean texture under full light
+  bool lone = false;    // the block alone on ground that is black
 };
 
 // What the camera sees: a projector coordinate, a gain and an ambient level (of 255) for each pixel.
@@ -106,10 +120,12 @@ inline RigScene rig_scene(const RigSize& size) {
                             c >= left - shadow - kBand && c < right + kBand;
       scene.column_px.push_back(x);
       scene.row_px.push_back(y);
-      scene.gain.push_back(aimed && !shaded ? 150.0 + 40.0 * std::sin(0.11 * c) * std::cos(0.07 * r) : 0.0);
+      scene.gain.push_back(aimed && !shaded ? size.gain * (1.0 + 0.27 * std::sin(0.11 * c) * std::cos(0.07 * r)) *
+                                                  (size.lone && !block ? 0.01 : 1.0)
+                                            : 0.0);
       scene.ambient.push_back(6.0 + 2.0 * std::sin(0.02 * (r + c)));
-      scene.judged.push_back(inner && !shaded && !near_row && !near_column(left) && !near_column(right) &&
-                             !near_column(left - shadow));
+      scene.judged.push_back(inner && (block || !size.lone) && !shaded && !near_row && !near_column(left) &&
+                             !near_column(right) && !near_column(left - shadow));
     }
   }
   return scene;
@@ -125,7 +141,8 @@ inline std::vector<double> rig_levels(const RigScene& scene, const RigFrame& fra
         light +=
             0.25 * std::pow(frame.light(scene.column_px[i] + blur_px, scene.row_px[i] + blur_px), scene.size.gamma);
     }
-    const double level = scene.gain[i] * light + scene.ambient[i];
+    const double exposure = frame.entry.value("exposure_us", 8000.0) / 8000.0;
+    const double level = exposure * (scene.gain[i] * light + scene.ambient[i]);
     double normal = -6.0;
     for (int n = 0; n < 12; ++n) normal += random.uniform();
     levels.push_back(level + normal * std::sqrt(level * 255.0 / 10'000.0 + 0.3));

@@ -183,6 +183,31 @@ TEST_CASE("Other projectors' gamma decodes", "[rigs]") {
   }
 }
 
+TEST_CASE("Dim scenes, and a part alone on black ground, decode", "[rigs]") {
+  for (const RigSize& size :
+       {RigSize{323, 241, 1280, 800, 0.9, 1.0, 45.0}, RigSize{323, 241, 1280, 800, 0.9, 1.0, 180.0, true},
+        RigSize{161, 121, 1280, 800, 0.9, 2.2, 120.0, true}, RigSize{97, 73, 1280, 800, -0.6, 1.0, 150.0, true}}) {
+    INFO("camera " << size.camera_width << ", gain " << size.gain << ", lone " << size.lone);
+    check_decodes({"steps and code", size, usual(), 1.5, 5});
+    check_decodes({"steps and code, no references", size, {phases(kRow, 20, 6), grays(kRow, 10, 800)}, 1.5, 5});
+    check_decodes({"twins", size, {phases(kColumn, 20, 6), grays(kColumn, 10, 1280, 0, true)}, 1.5, 5});
+    check_decodes({"Gray alone", size, {grays(kColumn, 2, 1280, 0, true)}, 2.5, 5});
+    check_decodes(
+        {"coarse to fine", size, {phases(kColumn, 1280, 8), phases(kColumn, 160, 8), phases(kColumn, 20, 8)}, 1.5, 5});
+    check_decodes(
+        {"coarse to fine, rows", size, {phases(kRow, 20, 4), phases(kRow, 140, 4), phases(kRow, 800, 4)}, 1.5, 5});
+  }
+}
+
+TEST_CASE("Exposures of which one shows next to nothing decode", "[rigs]") {
+  RigFrames frames = phases(kColumn, 20, 6);
+  add(frames, grays(kColumn, 10, 1280));
+  for (const double short_us : {1000.0, 40.0})
+    check_decodes({"two exposures", kUsual, {exposed(frames, {8000.0, short_us})}, 0.7, 5});
+  check_decodes({"three exposures", kUsual, {exposed(frames, {40.0, 8000.0, 32000.0})}, 0.7, 5});
+  check_refused({"lens cap", kUsual, {exposed(frames, {20.0, 10.0})}, 0, 0}, "every frame is black");
+}
+
 TEST_CASE("Images of other depths and files decode", "[rigs]") {
   check_decodes({"16 bits", kUsual, usual(), 0.6, 5, png16(65535), {{"full_scale", 65535}}});
   check_decodes({"16 bits, full scale untold", kUsual, usual(), 0.6, 5, png16(65535)});
