@@ -95,6 +95,7 @@ Result<Located> CaptureAndLocate::locate(std::uint16_t number) {
     to_.recorder.keep_failure(number, range.error().code);
     return std::unexpected(range.error());
   }
+  tell_findings();
   to_.book.set_pixels(count_pixels(measure_.code().state));
   const Stopwatch segment_watch;
   const segment::Segmented objects = segmenter_.segment(*range);
@@ -127,6 +128,19 @@ Result<Located> CaptureAndLocate::locate(std::uint16_t number) {
   to_.recorder.keep_result({number, *range, objects.labels, found.parts, not_identified, timing.decode_ms,
                             timing.range_ms, segment_ms, locate_ms});
   return Located{found.parts, not_identified};
+}
+
+// Warns of what is not right with the captures, when it begins.
+void CaptureAndLocate::tell_findings() {
+  const auto before = told_;
+  told_.clear();
+  for (const Error& finding : measure_.findings()) {
+    told_.add(finding);
+    const auto known = before.all();
+    const bool new_one =
+        std::none_of(known.begin(), known.end(), [&](const Error& e) { return e.code == finding.code; });
+    if (new_one) to_.log.write(LogLevel::kWarning, "capture: %s", finding.detail);
+  }
 }
 
 // What the locator withheld, and what was never looked at because there were more objects than declared.

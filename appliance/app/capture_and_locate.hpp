@@ -11,6 +11,7 @@
 #include "capture/camera.hpp"
 #include "capture/capture_run.hpp"
 #include "capture/trigger_source.hpp"
+#include "decode/findings.hpp"
 #include "pipeline/locate.hpp"
 #include "pipeline/measure.hpp"
 #include "projector/projector_keeper.hpp"
@@ -46,6 +47,7 @@ class CaptureAndLocate : public VisionWork {
   class FoldFrames;
 
   Result<void> run_capture(FoldFrames& sink, const std::atomic<ResultCode>& cancel);
+  void tell_findings();
   std::span<const WithheldObject> withheld(const pipeline::LocateOutput& found, int left_out);
 
   const Settings& settings_;
@@ -56,6 +58,7 @@ class CaptureAndLocate : public VisionWork {
   pipeline::Locator locator_;
   std::span<WithheldObject> withheld_;
   std::int64_t last_frame_us_ = 0;
+  decode::Findings told_;  // of the capture before: what goes on is not said again
 };
 
 }  // namespace beltpick::app

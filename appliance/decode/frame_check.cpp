@@ -57,6 +57,7 @@ FrameCheck::FrameCheck(Arena& arena, int rows, int cols, int frames) : probes_(a
   for (std::span<float>* row : {&motion_.early8, &motion_.texture8, &motion_.slope8, &motion_.late8}) {
     *row = arena.take<float>("frame probes", count);
   }
+  motion_.lit = arena.take<std::uint32_t>("frame probes", count);
   lit_ = arena.take<std::uint8_t>("frame probes", count);
   steps_ = arena.take<WordStep>("frame probes", kMaxSteps);
 }

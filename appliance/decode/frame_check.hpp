@@ -53,9 +53,10 @@ struct FringeSums;  // decode/fringe_sums.hpp
 Result<void> check_fringe(const ProbeLevels& levels, int channel, const FringeSums& sums);
 // Ambient and projected light are the same in every phase frame. Findings: kLightFlickers, kExposureBeats.
 void check_light(const ProbeLevels& levels, const FringeSums& sums);
-// Room for the levels of a texture, by probe.
+// Room for the levels of a texture, by probe, and for the numbers of probes.
 struct MotionScratch {
   std::span<float> early8, texture8, slope8, late8;
+  std::span<std::uint32_t> lit;
 };
 // The texture stays where it is. Error, or finding where it moved little: kBeltMovedDuringCapture.
 Result<void> check_motion(const ProbeLevels& levels, const MotionScratch& scratch);

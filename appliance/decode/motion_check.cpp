@@ -18,8 +18,9 @@ constexpr double kFar_px = 4.0;
 constexpr double kBeyondLinear_px = 0.25;  // a larger shift is looked for step by step first
 constexpr int kSearched_px = 16;
 constexpr int kLeastProbes = 300;
-constexpr float kBrightShare = 0.55F;  // of the contrast: under a bright stripe, though the texture moved
-constexpr int kBorder = 2;             // probes that bright ones must keep off their stripe's border
+constexpr std::size_t kSearchProbes = 500;  // that look for a shift by whole pixels
+constexpr float kBrightShare = 0.55F;       // of the contrast: under a bright stripe, though the texture moved
+constexpr int kBorder = 2;                  // probes that bright ones must keep off their stripe's border
 constexpr int kReach = 5;  // probes either side whose mean is taken off: what varies slower is light, not texture
 constexpr double kTextureOverNoise = 1.5;
 constexpr double kOfOneTexture = 0.5;  // of the gain that the levels tell: less of the early texture is not it
@@ -35,7 +36,7 @@ struct Early {
 
 // Sums of the least squares for gain and gain * shift, of levels less their neighbours' mean.
 struct ShiftSums {
-  double ee = 0.0, eg = 0.0, gg = 0.0, le = 0.0, lg = 0.0;
+  double ee = 0.0, eg = 0.0, gg = 0.0, le = 0.0, lg = 0.0, ll = 0.0;
   double early = 0.0, late = 0.0, noise = 0.0;
   int probes = 0;
 };
@@ -56,24 +57,43 @@ Shift solve(const ShiftSums& sums, int whole_px) {
   return {px, one_texture && std::abs(px) > kSignificant * sigma_px};
 }
 
+// Whether noise alone explains how late levels differ from early ones where they stand, but for a gain.
+bool stands(const ShiftSums& sums) {
+  const double gain = sums.le / sums.ee;
+  const double unlike = sums.ll - gain * sums.le;
+  const double expected = sums.probes + gain * gain * sums.noise;
+  return unlike < expected + kSignificant * std::sqrt(2.0 * expected);
+}
+
 bool bright(const ProbeLevels& levels, int frame, int i) {
   const auto at = static_cast<std::size_t>(i);
   const float contrast = levels.high8[at] - levels.low8[at];
   return levels.lit[at] != 0 && levels.level8(frame, i) > levels.low8[at] + kBrightShare * contrast;
 }
 
-// Calls use(i) for the probes of `frame` that lie well within a bright stripe, along rows or columns of the image.
-template <class Use>
-void for_bright(const ProbeLevels& levels, int frame, bool along_rows, Use use) {
+// A frame to be compared with the early ones: what its well lit probes show.
+struct Late {
+  int frame = kNone;
+  std::span<const float> texture8;     // by probe
+  std::span<const std::uint32_t> lit;  // probes that lie well within a bright stripe, along one axis of the image
+};
+
+// The probes of `frame` that lie well within a bright stripe, along rows or columns of the image.
+std::span<const std::uint32_t> find_lit(const ProbeLevels& levels, int frame, bool along_rows,
+                                        std::span<std::uint32_t> out) {
   constexpr int kHalf = kBorder + kReach;
-  int run = 0;  // bright probes up to here
-  const int first = along_rows ? 0 : levels.probes->in_row_lines();
-  const int end = along_rows ? levels.probes->in_row_lines() : levels.probes->count();
-  for (int i = first; i < end; ++i) {
-    run = bright(levels, frame, i) && levels.high8[static_cast<std::size_t>(i)] < 254.0F ? run + 1 : 0;
-    if (run > 2 * kHalf) use(i - kHalf);
-    if (!levels.probes->joined(i)) run = 0;
+  const FrameProbes& probes = *levels.probes;
+  const int end = along_rows ? probes.in_row_lines() : probes.count();
+  std::size_t count = 0;
+  for (int first = along_rows ? 0 : probes.in_row_lines(); first < end; first += probes.line_length(first)) {
+    const int line_end = first + probes.line_length(first);
+    int run = 0;  // bright probes up to here
+    for (int i = first; i < line_end; ++i) {
+      run = bright(levels, frame, i) && levels.high8[static_cast<std::size_t>(i)] < 254.0F ? run + 1 : 0;
+      if (run > 2 * kHalf) out[count++] = static_cast<std::uint32_t>(i - kHalf);
+    }
   }
+  return out.first(count);
 }
 
 // What value(i) has over the mean of its neighbours, for all probes at least `margin` from the ends of their line.
@@ -93,53 +113,61 @@ void local_contrast(const FrameProbes& probes, int margin, Value value, std::spa
   }
 }
 
-// Least squares about a shift by whole pixels. `late8`: the frame's local contrast.
-ShiftSums sum_about(const ProbeLevels& levels, const Early& early, std::span<const float> late8, int frame,
-                    bool along_rows, int whole_px) {
+// Least squares about a shift by whole pixels, over every `every`th probe.
+ShiftSums sum_about(const ProbeLevels& levels, const Early& early, const Late& late, int whole_px, std::size_t every) {
   ShiftSums sums;
   const int margin = std::abs(whole_px) + kReach + 1;
-  for_bright(levels, frame, along_rows, [&](int i) {
-    if (levels.probes->to_line_end(i) < margin) return;
+  for (std::size_t n = 0; n < late.lit.size(); n += every) {
+    const auto i = static_cast<int>(late.lit[n]);
+    if (levels.probes->to_line_end(i) < margin) continue;
     const auto at = static_cast<std::size_t>(i - whole_px);
     const auto before = static_cast<double>(early.texture8[at]);
     const auto steep = static_cast<double>(early.slope8[at]);
-    const auto after = static_cast<double>(late8[static_cast<std::size_t>(i)]);
-    const float late_level8 = levels.level8(frame, i);
+    const auto after = static_cast<double>(late.texture8[late.lit[n]]);
+    const float late_level8 = levels.level8(late.frame, i);
     const double weight = 1.0 / static_cast<double>(kCameraNoise.variance(late_level8));
     sums.ee += before * before * weight;
     sums.eg += before * steep * weight;
     sums.gg += steep * steep * weight;
     sums.le += after * before * weight;
     sums.lg += after * steep * weight;
+    sums.ll += after * after * weight;
     sums.early += static_cast<double>(early.level8[at]);
     sums.late += static_cast<double>(late_level8);
     sums.noise += static_cast<double>(early.noise_share * kCameraNoise.variance(early.level8[at])) * weight;
     ++sums.probes;
-  });
+  }
   return sums;
 }
 
-// The shift of `frame` against the early texture, along rows (x) or columns (y) of the image; 0 where none is certain.
-double find_shift(const ProbeLevels& levels, const Early& early, std::span<const float> late8, int frame,
-                  bool along_rows) {
-  const ShiftSums here = sum_about(levels, early, late8, frame, along_rows, 0);
-  if (here.probes < kLeastProbes || here.ee < kTextureOverNoise * here.noise) return 0.0;
+// The shift by whole pixels at which the textures are most alike; 0 unless another one is it clearly.
+int find_whole_shift(const ProbeLevels& levels, const Early& early, const Late& late) {
+  const std::size_t every = std::max<std::size_t>(1, late.lit.size() / kSearchProbes);
+  const auto alike_at = [&](int whole_px) {
+    const ShiftSums sums = sum_about(levels, early, late, whole_px, every);
+    return sums.le / std::sqrt(std::max(sums.ee, 1e-9));
+  };
+  const double alike_here = alike_at(0);
+  double most_alike = alike_here;
+  int best_px = 0;
+  for (int whole_px = -kSearched_px; whole_px <= kSearched_px; ++whole_px) {
+    const double alike = alike_at(whole_px);
+    if (alike <= most_alike) continue;
+    most_alike = alike;
+    best_px = whole_px;
+  }
+  // Of smooth shading all shifts look about alike; noise then chooses.
+  return most_alike - alike_here > kSignificant ? best_px : 0;
+}
+
+// The shift of a frame against the early texture; 0 where none is certain.
+double find_shift(const ProbeLevels& levels, const Early& early, const Late& late) {
+  const ShiftSums here = sum_about(levels, early, late, 0, 1);
+  if (here.probes < kLeastProbes || here.ee < kTextureOverNoise * here.noise || stands(here)) return 0.0;
   Shift shift = solve(here, 0);
   if (!shift.certain || std::abs(shift.px) > kBeyondLinear_px) {
-    int best_px = 0;
-    const double alike_here = here.le / std::sqrt(here.ee);
-    double most_alike = alike_here;
-    for (int whole_px = -kSearched_px; whole_px <= kSearched_px; ++whole_px) {
-      const ShiftSums sums = sum_about(levels, early, late8, frame, along_rows, whole_px);
-      const double alike = sums.le / std::sqrt(std::max(sums.ee, 1e-9));
-      if (sums.probes < kLeastProbes || alike <= most_alike) continue;
-      most_alike = alike;
-      best_px = whole_px;
-    }
-    // Of smooth shading all shifts look about alike; noise then chooses.
-    if (most_alike - alike_here > kSignificant) {
-      shift = solve(sum_about(levels, early, late8, frame, along_rows, best_px), best_px);
-    }
+    const int whole_px = find_whole_shift(levels, early, late);
+    if (whole_px != 0) shift = solve(sum_about(levels, early, late, whole_px, 1), whole_px);
   }
   return shift.certain ? shift.px : 0.0;
 }
@@ -207,8 +235,10 @@ Result<void> check_motion(const ProbeLevels& levels, const MotionScratch& scratc
     if (levels.spec(f).inverted) continue;  // beside its twin
     local_contrast(
         *levels.probes, kReach, [&](int k) { return levels.level8(f, k); }, scratch.late8);
-    const Farthest here{f, find_shift(levels, early, scratch.late8, f, true),
-                        find_shift(levels, early, scratch.late8, f, false)};
+    const auto shift_px = [&](bool along_rows) {
+      return find_shift(levels, early, {f, scratch.late8, find_lit(levels, f, along_rows, scratch.lit)});
+    };
+    const Farthest here{f, shift_px(true), shift_px(false)};
     if (here.px() > first.px()) second = first;
     Farthest& beaten = here.px() > first.px() ? first : second;
     if (here.px() > beaten.px()) beaten = here;
