@@ -2,6 +2,7 @@
 #include "calibrate/calibrate.hpp"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cstdio>
 #include <filesystem>
@@ -111,8 +112,11 @@ Result<void> add_pose(const fs::path& path, const PlateCapture& plate, Observati
 // A capture without a plate, or one that cannot be decoded for what its images show, is left out and named; all else
 // that is wrong with a capture ends the command.
 bool costs_one_pose(ResultCode code) {
-  return code == ResultCode::kNothingFound || code == ResultCode::kFrameBlack || code == ResultCode::kFrameDuplicated ||
-         code == ResultCode::kSequenceOrderWrong || code == ResultCode::kBeltMovedDuringCapture;
+  constexpr std::array kOfImages{
+      ResultCode::kNothingFound, ResultCode::kFrameBlack,         ResultCode::kFrameDuplicated,
+      ResultCode::kFrameMissing, ResultCode::kSequenceOrderWrong, ResultCode::kBeltMovedDuringCapture,
+      ResultCode::kFocusOff};
+  return std::find(kOfImages.begin(), kOfImages.end(), code) != kOfImages.end();
 }
 
 Result<void> read_captures(const CalibrateOptions& options, Observations& seen, Session& session) {

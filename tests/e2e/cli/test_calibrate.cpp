@@ -82,17 +82,21 @@ TEST_CASE("calibrate finds the rig that took the captures", "[calibrate]") {
   }
 }
 
-TEST_CASE("a capture without a plate, or given twice, is left out and named", "[calibrate]") {
+TEST_CASE("a capture without a plate, given twice or with a frame missing is left out and named", "[calibrate]") {
   const TempFolder folder;
-  const Outcome bare = beltpick_run(
-      "simulate --scene bare --axes both --camera 480x360 --projector 456x570 --sequence fast --seed 3 --out " +
-      (folder / "bare").string());
-  INFO(bare.err);
-  REQUIRE(bare.exit_code == 0);
+  const auto simulate = [&](const std::string& scene, const char* name) {
+    const Outcome made =
+        beltpick_run("simulate --axes both --camera 480x360 --projector 456x570 --sequence fast --seed 3 " + scene +
+                     " --out " + (folder / name).string());
+    INFO(made.err);
+    REQUIRE(made.exit_code == 0);
+    return (folder / name).string() + " ";
+  };
+  const std::string spoilt =
+      simulate("--scene bare", "bare") + simulate("--scene plate --board 7x6 --square-mm 30 --fault drop:2", "hasty");
   const Outcome outcome =
       beltpick_run("calibrate " + plate(0) + " " + plate(1) + " " + plate(2) + " " + plate(3) + " " + plate(0) + " " +
-                   (folder / "bare").string() + " --board 7x6 --square-mm 30 --json --out " +
-                   (folder / "calibration.json").string());
+                   spoilt + "--board 7x6 --square-mm 30 --json --out " + (folder / "calibration.json").string());
   INFO(outcome.err);
   REQUIRE(outcome.exit_code == 0);
   const auto answer = nlohmann::json::parse(outcome.out);
@@ -100,6 +104,7 @@ TEST_CASE("a capture without a plate, or given twice, is left out and named", "[
   std::string reasons;
   for (const auto& item : answer["left_out"]) reasons += item["reason"].get<std::string>() + "\n";
   CHECK(reasons.find("no 7x6 chessboard found") != std::string::npos);
+  CHECK(reasons.find("002.png") != std::string::npos);
   CHECK(reasons.find("the same capture is there already") != std::string::npos);
 }
 
