@@ -1,6 +1,7 @@
 #include "pipeline/locate.hpp"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <limits>
 #include <numeric>
@@ -79,6 +80,12 @@ LocateOutput Locator::locate(const LocateInput& input, std::span<const PartModel
           tried_.first(tried_count_), object_ms_.first(tried_count_)};
 }
 
+void Locator::set_trace(Trace* trace) {
+  assert(trace == nullptr || finders_.size() == 1);
+  trace_ = trace;
+  for (PoseFinder& finder : finders_) finder.set_trace(trace);
+}
+
 void Locator::search(const result::Scene& scene, std::span<const PartModel> models, std::span<const Object> objects,
                      std::uint64_t seed) {
   auto job = [&](int worker, int task) {
@@ -131,6 +138,7 @@ void Locator::settle(const result::Scene& scene, std::span<const PartModel> mode
   }
   for (std::size_t i = 0; i < objects.size(); ++i) {
     if (attempts_[i].stage != Stage::kRank) book_.failed(objects[i], attempts_[i]);
+    if (trace_ != nullptr) trace_->settled(objects[i], attempts_[i]);
   }
   claim_ambiguous(scene, models, objects);
 }

@@ -48,6 +48,9 @@ class Locator {
   // Allocates nothing; the same bits for any number of workers.
   LocateOutput locate(const LocateInput& input, std::span<const PartModel> models, const GripperShape& gripper = {});
 
+  // Whom to tell every step of the search; null: nobody. Only for a locator of one worker.
+  void set_trace(Trace* trace);
+
  private:
   struct Accepted {
     Candidate candidate;
@@ -86,6 +89,7 @@ class Locator {
   std::span<double> object_ms_;
   std::span<std::uint16_t> tried_;
   std::size_t tried_count_ = 0;
+  Trace* trace_ = nullptr;
 };
 
 }  // namespace beltpick::pipeline

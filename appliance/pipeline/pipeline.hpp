@@ -66,6 +66,9 @@ class Pipeline {
   // Finds the loaded parts. Errors: kNoTemplate; kLimitExceeded where the image is larger than declared.
   Result<Located> locate(const View& view);
 
+  // Whom locate() tells every step of the search; null: nobody. Only for a pipeline of one worker.
+  void set_trace(Trace* trace) { locator_.set_trace(trace); }
+
   [[nodiscard]] std::span<const PartModel> models() const { return store_.models(); }
 
  private:

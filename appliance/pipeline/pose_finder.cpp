@@ -155,9 +155,13 @@ Attempt PoseFinder::try_routes(const Context& context) {
 }
 
 Attempt PoseFinder::try_route(const Context& context, Effort route) {
+  if (trace_ != nullptr)
+    trace_->begins({context.scene, context.owner, context.object, context.models, sample(), route});
   candidate_count_ = 0;
   for (int i = 0; i < static_cast<int>(context.models.size()); ++i) collect(context, i, route);
-  return decide(context);
+  const Attempt attempt = decide(context);
+  if (trace_ != nullptr) trace_->ends(attempt);
+  return attempt;
 }
 
 void PoseFinder::collect(const Context& context, int model_index, Effort route) {
@@ -179,10 +183,9 @@ void PoseFinder::search_by_primitives(const Context& context, const PartModel& m
   const int count = find_primitives(context, model, found);
   const auto sample = this->sample().first(std::min(sample_count_, kSearchSample));
   const search::SearchInput input{model, sample, static_cast<float>(coarse_radius_mm(model))};
-  for (int i = 0; i < count; ++i) {
-    for (const Primitive& taught : model.taught()) {
-      search::search_from_primitive(input, taught, found[static_cast<std::size_t>(i)], pool);
-    }
+  for (const Primitive& primitive : std::span(found).first(static_cast<std::size_t>(count))) {
+    tell_found(context, model, primitive);
+    for (const Primitive& taught : model.taught()) search::search_from_primitive(input, taught, primitive, pool);
   }
 }
 
@@ -191,9 +194,14 @@ void PoseFinder::search_by_planes(const Context& context, const PartModel& model
   Random random(context.seed, 3);
   const auto face = finder_.find(sample(), query_for(context.scene, PrimitiveKind::kPlane, kLeastFaceShare), random);
   if (!face) return;
+  tell_found(context, model, *face);
   const auto sample = this->sample().first(std::min(sample_count_, kSearchSample));
   const search::SearchInput input{model, sample, static_cast<float>(coarse_radius_mm(model))};
   for (const Primitive& taught : model.taught()) search::search_from_primitive(input, taught, *face, pool);
+}
+
+void PoseFinder::tell_found(const Context& context, const PartModel& model, const Primitive& found) {
+  if (trace_ != nullptr) trace_->primitive_found(static_cast<int>(&model - context.models.data()), found);
 }
 
 int PoseFinder::find_primitives(const Context& context, const PartModel& model, std::span<Primitive> found) {
@@ -231,6 +239,7 @@ void PoseFinder::shortlist(const Context& context, int model_index, Effort route
         icp::align(sample, model, hypotheses[i].T_camera_part, stages, icp::Noise{context.scene.noise_mm});
     candidate.impression =
         result::first_impression(model, candidate.alignment.T_camera_part, context.scene, tolerance_mm);
+    if (trace_ != nullptr) trace_->aligned_coarsely(candidate);
     const auto found_before = [&](const Candidate& other) { return same_place(candidate, other, model); };
     if (std::none_of(tried.begin(), tried.begin() + static_cast<std::ptrdiff_t>(distinct), found_before)) {
       tried[distinct++] = candidate;
@@ -245,6 +254,7 @@ void PoseFinder::shortlist(const Context& context, int model_index, Effort route
     candidate = tried[i];
     align_fully(context, candidate);
     weigh(context, candidate);
+    if (trace_ != nullptr) trace_->weighed(candidate);
     ++candidate_count_;
   }
 }
@@ -315,6 +325,7 @@ Attempt PoseFinder::decide(const Context& context) {
     const bool first = finished++ == 0;
     auto verdict = trial(context, champion, i);
     if (verdict && explore(context, champion)) verdict = trial(context, champion, kNoIndex);
+    if (trace_ != nullptr) trace_->judged(champion, verdict);
     if (verdict || first || verdict.error().code == ResultCode::kPoseAmbiguous) {
       attempt.best = champion;
       attempt.verified = verdict.has_value();
@@ -376,6 +387,7 @@ bool PoseFinder::beats_rivals(const Context& context, const Candidate& champion,
     const result::Rivalry rivalry =
         result::compare({model, champion.alignment.T_camera_part}, {other, rival.alignment.T_camera_part},
                         context.scene, region_of(context.object, 20), 1);
+    if (trace_ != nullptr) trace_->compared(champion, rival, rivalry);
     if (rivalry.same_object() && !result::prevails(rivalry)) return false;
   }
   return true;

@@ -10,6 +10,7 @@
 #include "icp/align.hpp"
 #include "pipeline/attempt.hpp"
 #include "pipeline/object_points.hpp"
+#include "pipeline/trace.hpp"
 #include "primitives/msac.hpp"
 #include "result/drawing.hpp"
 #include "result/scene.hpp"
@@ -27,6 +28,9 @@ class PoseFinder {
                std::span<const PartModel> models, std::uint64_t seed, Effort effort);
 
   [[nodiscard]] std::span<const OrientedPoint> sample() const { return sample_.first(sample_count_); }
+
+  // Whom to tell every step; null: nobody.
+  void set_trace(Trace* trace) { trace_ = trace; }
 
  private:
   static constexpr int kMaxCandidates = 40;
@@ -47,6 +51,7 @@ class PoseFinder {
   void collect(const Context& context, int model_index, Effort route);
   void search_by_primitives(const Context& context, const PartModel& model, search::HypothesisPool& pool);
   void search_by_planes(const Context& context, const PartModel& model, search::HypothesisPool& pool);
+  void tell_found(const Context& context, const PartModel& model, const Primitive& found);
   int find_primitives(const Context& context, const PartModel& model, std::span<Primitive> found);
   void shortlist(const Context& context, int model_index, Effort route, search::HypothesisPool& pool);
   void align_fully(const Context& context, Candidate& candidate);
@@ -67,6 +72,7 @@ class PoseFinder {
   int candidate_count_ = 0;
   primitives::Finder finder_;
   result::Drawing drawing_;
+  Trace* trace_ = nullptr;
 };
 
 }  // namespace beltpick::pipeline
