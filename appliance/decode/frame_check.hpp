@@ -3,6 +3,7 @@
 // Speaks up only where it is certain: a lit scene must contradict the sequence plainly.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <span>
@@ -30,6 +31,9 @@ struct ProbeLevels {
   [[nodiscard]] float level8(int frame, int i) const {
     return to_level8 * static_cast<float>(probes->levels(frame)[static_cast<std::size_t>(i)]);
   }
+  [[nodiscard]] float contrast8(int i) const {
+    return high8[static_cast<std::size_t>(i)] - low8[static_cast<std::size_t>(i)];
+  }
   [[nodiscard]] const FrameSpec& spec(int frame) const {
     return plan->sequence.frames[static_cast<std::size_t>(frame)];
   }
@@ -41,6 +45,19 @@ struct ProbeLevels {
     return probes->count() < 2 * kEnough ? 1 : probes->count() / kEnough;
   }
 };
+
+// Share of the lit probes at which `holds`, a function of the probe's number.
+template <class Holds>
+float lit_share(const ProbeLevels& levels, const Holds& holds) {
+  int held = 0;
+  int lit = 0;
+  for (int i = 0; i < levels.probes->count(); i += levels.stride()) {
+    if (levels.lit[static_cast<std::size_t>(i)] == 0) continue;
+    ++lit;
+    held += holds(i) ? 1 : 0;
+  }
+  return static_cast<float>(held) / static_cast<float>(std::max(lit, 1));
+}
 
 // Black and doubled frames, white and black exchanged. Errors: kFrameBlack, kFrameDuplicated, kSequenceOrderWrong.
 Result<void> check_levels(const ProbeLevels& levels);

@@ -1,5 +1,4 @@
 // Black and doubled frames.
-#include <algorithm>
 #include <cmath>
 
 #include "base/camera_noise.hpp"
@@ -21,16 +20,10 @@ constexpr double kSameEnergy = 3.0;
 constexpr double kTellingEnergy = 4.0;
 
 float bright_share(const ProbeLevels& levels, int frame) {
-  int bright = 0;
-  int lit = 0;
-  for (int i = 0; i < levels.probes->count(); i += levels.stride()) {
-    const auto at = static_cast<std::size_t>(i);
-    if (levels.lit[at] == 0) continue;
-    ++lit;
-    const float contrast = levels.high8[at] - levels.low8[at];
-    bright += levels.high8[at] - levels.level8(frame, i) < kDarkShareOfContrast * contrast ? 1 : 0;
-  }
-  return static_cast<float>(bright) / static_cast<float>(std::max(lit, 1));
+  return lit_share(levels, [&](int i) {
+    const float below8 = levels.high8[static_cast<std::size_t>(i)] - levels.level8(frame, i);
+    return below8 < kDarkShareOfContrast * levels.contrast8(i);
+  });
 }
 
 // Whether the view holds only a part of this phase frame's period; some frame of it must be lit.
@@ -127,7 +120,7 @@ Result<void> check_doubled(const ProbeLevels& levels) {
       const float level8 = levels.level8(f, i);
       const float step = level8 - levels.level8(f - 1, i);
       const float flicker = kFlickerShare * level8;
-      const float half = 0.5F * (levels.high8[at] - levels.low8[at]);
+      const float half = 0.5F * levels.contrast8(i);
       difference += step * step;
       noise += 2.0F * kCameraNoise.variance(level8) + flicker * flicker;
       contrast += half * half;
@@ -144,16 +137,10 @@ Result<void> check_doubled(const ProbeLevels& levels) {
 }  // namespace
 
 float dark_share(const ProbeLevels& levels, int frame) {
-  int dark = 0;
-  int lit = 0;
-  for (int i = 0; i < levels.probes->count(); i += levels.stride()) {
-    const auto at = static_cast<std::size_t>(i);
-    if (levels.lit[at] == 0) continue;
-    ++lit;
-    const float contrast = levels.high8[at] - levels.low8[at];
-    dark += levels.level8(frame, i) - levels.low8[at] < kDarkShareOfContrast * contrast ? 1 : 0;
-  }
-  return static_cast<float>(dark) / static_cast<float>(std::max(lit, 1));
+  return lit_share(levels, [&](int i) {
+    const float above8 = levels.level8(frame, i) - levels.low8[static_cast<std::size_t>(i)];
+    return above8 < kDarkShareOfContrast * levels.contrast8(i);
+  });
 }
 
 Result<void> check_levels(const ProbeLevels& levels) {

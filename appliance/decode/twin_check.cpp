@@ -1,6 +1,4 @@
 // Whether the two frames of every Gray bit are each other's inverse.
-#include <algorithm>
-
 #include "contract/result_codes.hpp"
 #include "decode/frame_check.hpp"
 
@@ -10,20 +8,14 @@ namespace {
 // Share of the lit probes at which both frames are bright beyond doubt, or both dark: never, where they are twins.
 float alike_share(const ProbeLevels& levels, const GrayBit& bit) {
   constexpr float kBeyondDoubt = 0.25F;  // of the contrast, from the middle
-  int alike = 0;
-  int lit = 0;
-  for (int i = 0; i < levels.probes->count(); i += levels.stride()) {
+  return lit_share(levels, [&](int i) {
     const auto at = static_cast<std::size_t>(i);
-    if (levels.lit[at] == 0) continue;
-    ++lit;
-    const float contrast = levels.high8[at] - levels.low8[at];
     const float middle = 0.5F * (levels.high8[at] + levels.low8[at]);
     const float upright = levels.level8(bit.frame, i) - middle;
     const float inverted = levels.level8(bit.twin_frame, i) - middle;
-    const float sure = kBeyondDoubt * contrast;
-    alike += (upright > sure && inverted > sure) || (upright < -sure && inverted < -sure) ? 1 : 0;
-  }
-  return static_cast<float>(alike) / static_cast<float>(std::max(lit, 1));
+    const float sure = kBeyondDoubt * levels.contrast8(i);
+    return (upright > sure && inverted > sure) || (upright < -sure && inverted < -sure);
+  });
 }
 
 }  // namespace
