@@ -1,5 +1,8 @@
 #include "decode/decoder.hpp"
 
+#include <algorithm>
+#include <cassert>
+
 #include "base/units.hpp"
 #include "contract/result_codes.hpp"
 #include "decode/repeat_row.hpp"
@@ -44,9 +47,12 @@ Decoder::Decoder(Arena& arena, const DecoderLimits& limits) : limits_(limits) {
   // A channel has three frames at least.
   context_.ripples = arena.take<Ripple>("ripples", static_cast<std::size_t>(limits.frames / 3 + 1));
   check_ = FrameCheck(arena, limits.rows, limits.cols, limits.frames);
-  if (limits.codes_columns) column_px_ = arena.take_scratch<float>(Phase::kMeasure, "code image", pixels);
-  if (limits.codes_rows) row_px_ = arena.take_scratch<float>(Phase::kMeasure, "code image", pixels);
-  modulation_ = arena.take_scratch<float>(Phase::kMeasure, "code image", pixels);
+  const std::size_t codes = limits.code_rows == 0 ? pixels
+                                                  : static_cast<std::size_t>(std::min(limits.code_rows, limits.rows)) *
+                                                        static_cast<std::size_t>(limits.cols);
+  if (limits.codes_columns) column_px_ = arena.take_scratch<float>(Phase::kMeasure, "code image", codes);
+  if (limits.codes_rows) row_px_ = arena.take_scratch<float>(Phase::kMeasure, "code image", codes);
+  modulation_ = arena.take_scratch<float>(Phase::kMeasure, "code image", codes);
   texture_ = arena.take<std::uint8_t>("texture", pixels);  // the range image goes on with it
   state_ = arena.take_scratch<PixelState>(Phase::kMeasure, "code image", pixels);
 }
@@ -122,27 +128,33 @@ void Decoder::fold_repeated(int index, ImageView<const Pixel> image) {
 }
 
 template <class Pixel>
-void Decoder::mark_moved(int row) {
+void Decoder::mark_moved(int row, const RowOutput& out) {
   const int plane = context_.plan->repeated.plane;
   if (plane == kNone) return;
-  const std::size_t at = static_cast<std::size_t>(row) * static_cast<std::size_t>(context_.cols);
-  const bool columns = context_.plan->codes(Axis::kColumn);
-  const bool rows = context_.plan->codes(Axis::kRow);
-  mark_moved_row(context_.store.row<const Pixel>(plane, row), &texture_[at], context_.cols, context_.to_level8(),
-                 &state_[at], columns ? &column_px_[at] : nullptr, rows ? &row_px_[at] : nullptr);
+  mark_moved_row(context_.store.row<const Pixel>(plane, row), out.texture, context_.cols, context_.to_level8(),
+                 out.state, out.x_px[0], out.x_px[1]);
 }
 
 Result<void> Decoder::fold(int index, ImageView<const std::uint8_t> image) { return fold_any(index, image); }
 Result<void> Decoder::fold(int index, ImageView<const std::uint16_t> image) { return fold_any(index, image); }
 
-CodeImage Decoder::output() const {
-  const auto view = [&](auto memory) { return ImageView(memory.data(), rows_, context_.cols); };
+std::size_t Decoder::code_at(int row, int first) const {
+  const bool all = limits_.code_rows == 0 || limits_.code_rows >= rows_;
+  return static_cast<std::size_t>(all ? row : row - first) * static_cast<std::size_t>(context_.cols);
+}
+
+CodeImage Decoder::output(int first, int end) const {
+  const std::size_t codes_at = code_at(first, first);
+  const std::size_t at = static_cast<std::size_t>(first) * static_cast<std::size_t>(context_.cols);
+  const auto view = [&](auto memory, std::size_t start) {
+    return ImageView(memory.data() + start, end - first, context_.cols);
+  };
   CodeImage code;
-  if (context_.plan->codes(Axis::kColumn)) code.column_px = view(column_px_);
-  if (context_.plan->codes(Axis::kRow)) code.row_px = view(row_px_);
-  code.modulation = view(modulation_);
-  code.texture = view(texture_);
-  code.state = view(state_);
+  if (context_.plan->codes(Axis::kColumn)) code.column_px = view(column_px_, codes_at);
+  if (context_.plan->codes(Axis::kRow)) code.row_px = view(row_px_, codes_at);
+  code.modulation = view(modulation_, codes_at);
+  code.texture = view(texture_, at);
+  code.state = view(state_, at);
   code.column_noise = code_noise(*context_.plan, Axis::kColumn);
   code.row_noise = code_noise(*context_.plan, Axis::kRow);
   return code;
@@ -156,7 +168,7 @@ Result<CodeImage> Decoder::begin_finish() {
   if (auto judged = check_.judge(*context_.plan, context_.full_scale); !judged) return std::unexpected(judged.error());
   measure_ripples();
   measure_contrasts();
-  return output();
+  return output(0, rows_);
 }
 
 void Decoder::measure_ripples() {
@@ -182,23 +194,26 @@ void Decoder::measure_contrasts() {
   }
 }
 
-void Decoder::finish_rows(int first, int end) {
+CodeImage Decoder::finish_rows(int first, int end) {
+  assert(limits_.code_rows == 0 || end - first <= limits_.code_rows);
   const bool columns = context_.plan->codes(Axis::kColumn);
   const bool rows = context_.plan->codes(Axis::kRow);
   for (int row = first; row < end; ++row) {
+    const std::size_t codes_at = code_at(row, first);
     const std::size_t at = static_cast<std::size_t>(row) * static_cast<std::size_t>(context_.cols);
-    const RowOutput out{{columns ? &column_px_[at] : nullptr, rows ? &row_px_[at] : nullptr},
-                        &modulation_[at],
+    const RowOutput out{{columns ? &column_px_[codes_at] : nullptr, rows ? &row_px_[codes_at] : nullptr},
+                        &modulation_[codes_at],
                         &state_[at],
                         &texture_[at]};
     if (pixel_bytes_ == 1) {
       finish_row<std::uint8_t>(context_, scratch_, row, out);
-      mark_moved<std::uint8_t>(row);
+      mark_moved<std::uint8_t>(row, out);
     } else {
       finish_row<std::uint16_t>(context_, scratch_, row, out);
-      mark_moved<std::uint16_t>(row);
+      mark_moved<std::uint16_t>(row, out);
     }
   }
+  return output(first, end);
 }
 
 Result<CodeImage> Decoder::finish() {

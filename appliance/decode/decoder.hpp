@@ -15,6 +15,9 @@
 
 namespace beltpick::decode {
 
+// Codes of this many rows stay in a core's cache between decoding and triangulating them.
+inline constexpr int kBandRows = 8;
+
 // What a decoder has room for.
 struct DecoderLimits {
   int rows = 0;
@@ -22,7 +25,8 @@ struct DecoderLimits {
   int state_bytes = 16;       // a pixel; see FoldPlan::state_bytes
   bool codes_columns = true;  // the axes that sequences may code
   bool codes_rows = false;
-  int frames = 32;  // of one sequence
+  int frames = 32;    // of one sequence
+  int code_rows = 0;  // of the code image that are kept at once; 0: all. Whoever reads them in bands needs a band
 };
 
 // The limits that just hold `plan` for a camera of this size.
@@ -46,13 +50,15 @@ class Decoder {
 
   // The views stay good until the next begin(), but for the texture only until parts are located over the same arena.
   // Errors: kFrameMissing; kFrameBlack, kFrameDuplicated or
-  // kSequenceOrderWrong where the images contradict the sequence (see FrameCheck).
+  // kSequenceOrderWrong where the images contradict the sequence (see FrameCheck). Wants room for all rows.
   Result<CodeImage> finish();
 
   // The same in bands of rows, so that the next stage reads them while they lie in the cache: begin_finish() judges the
-  // frames and gives the views, finish_rows() fills adjoining bands [first, end) of them, in any order.
+  // frames, finish_rows() decodes adjoining bands [first, end), in any order. It gives the views of the band alone: row
+  // 0 is `first`. With room for fewer rows than the image's, a band holds at most that many, and its coordinates and
+  // modulation are good until the next one; texture and state of all bands stay.
   Result<CodeImage> begin_finish();
-  void finish_rows(int first, int end);
+  CodeImage finish_rows(int first, int end);
 
   // What the last finish found that is not right, but leaves the capture usable; one line each (see FrameCheck).
   [[nodiscard]] std::span<const Error> findings() const { return check_.findings(); }
@@ -64,9 +70,12 @@ class Decoder {
   template <class Pixel>
   void fold_repeated(int index, ImageView<const Pixel> image);
   template <class Pixel>
-  void mark_moved(int row);
+  void mark_moved(int row, const RowOutput& out);
   void measure_contrasts();
-  [[nodiscard]] CodeImage output() const;
+  // Rows [first, end).
+  [[nodiscard]] CodeImage output(int first, int end) const;
+  // Of the first pixel of a row in the code image, of which row `first` is kept first.
+  [[nodiscard]] std::size_t code_at(int row, int first) const;
 
   DecoderLimits limits_;
   RowContext context_;

@@ -14,16 +14,14 @@ decode::DecoderLimits decoder_limits(const Limits& limits) {
           .state_bytes = limits.decode_bytes,
           .codes_columns = true,
           .codes_rows = limits.code_rows,
-          .frames = limits.frames};
+          .frames = limits.frames,
+          .code_rows = decode::kBandRows};
 }
 
 Measure::Measure(Arena& arena, const decode::DecoderLimits& limits)
     : decoder_(arena, limits), triangulator_(arena, limits.rows, limits.cols) {}
 
 namespace {
-
-// Codes of this many rows (12 bytes a pixel) stay in a core's cache between decoding and triangulating them.
-constexpr int kBandRows = 8;
 
 Result<decode::FoldPlan> plan_for(const Sequence& sequence, const Calibration& calibration) {
   const Lens& projector = calibration.projector;
@@ -93,13 +91,12 @@ Result<RangeImage> Measure::finish() {
   timing_.decode_ms = watch.elapsed_ms();
   auto range = triangulator_.begin(code_);
   if (!range) return range;
-  for (int first = 0; first < rows_; first += kBandRows) {
-    const int end = std::min(first + kBandRows, rows_);
+  for (int first = 0; first < rows_; first += decode::kBandRows) {
     watch = Stopwatch();
-    decoder_.finish_rows(first, end);
+    const CodeImage band = decoder_.finish_rows(first, std::min(first + decode::kBandRows, rows_));
     timing_.decode_ms += watch.elapsed_ms();
     watch = Stopwatch();
-    triangulator_.measure_rows(first, end);
+    triangulator_.measure_rows(band, first);
     timing_.range_ms += watch.elapsed_ms();
   }
   return range;

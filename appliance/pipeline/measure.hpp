@@ -22,7 +22,7 @@ struct MeasureTiming {
   double range_ms = 0.0;
 };
 
-// The decoder's room under the declared limits.
+// The decoder's room under the declared limits: codes are kept in bands of rows.
 decode::DecoderLimits decoder_limits(const Limits& limits);
 
 // How a capture of `sequence` will be measured with `calibration`, worked out before it is needed. Errors:
@@ -54,7 +54,8 @@ class Measure {
   // The views stay good until the next begin(). Errors as Decoder::finish and Triangulator::measure.
   Result<RangeImage> finish();
 
-  // Of the last finish(); the code until parts are located over the same arena.
+  // Of the last finish(), until parts are located over the same arena: texture and state; coordinates and modulation
+  // only where the decoder has room for all rows.
   [[nodiscard]] const CodeImage& code() const { return code_; }
   [[nodiscard]] const MeasureTiming& timing() const { return timing_; }
   [[nodiscard]] std::span<const Error> findings() const { return decoder_.findings(); }

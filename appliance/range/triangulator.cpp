@@ -65,22 +65,22 @@ Result<void> Triangulator::load(const Calibration& calibration) {
   return {};
 }
 
-AxisInput Triangulator::input(Axis axis, int row) const {
+AxisInput Triangulator::input(Axis axis, const CodeImage& band, int band_row, int row) const {
   const std::size_t at = static_cast<std::size_t>(row) * static_cast<std::size_t>(cols_);
   const bool column = axis == Axis::kColumn;
   return {&ray_u_[at],
           &ray_v_[at],
-          (column ? code_.column_px : code_.row_px).row(row),
-          code_.modulation.row(row),
-          code_.texture.row(row),
-          column ? code_.column_noise : code_.row_noise};
+          (column ? band.column_px : band.row_px).row(band_row),
+          band.modulation.row(band_row),
+          band.texture.row(band_row),
+          column ? band.column_noise : band.row_noise};
 }
 
-void Triangulator::measure_both(int row, const DepthRow& out) {
+void Triangulator::measure_both(const CodeImage& band, int band_row, int row, const DepthRow& out) {
   for (const Axis axis : {Axis::kColumn, Axis::kRow}) {
     const auto a = static_cast<std::size_t>(axis);
     const AxisScratch& scratch = scratch_[a];
-    depth_row(models_[a], input(axis, row), cols_, scratch.depth_mm.data(), scratch.sigma_mm.data(),
+    depth_row(models_[a], input(axis, band, band_row, row), cols_, scratch.depth_mm.data(), scratch.sigma_mm.data(),
               scratch.other_px.data(), scratch.sigma_px.data());
   }
   const AxisScratch& columns = scratch_[0];
@@ -90,7 +90,7 @@ void Triangulator::measure_both(int row, const DepthRow& out) {
     const bool from_columns = columns.depth_mm[c] > 0.0F;
     const bool from_rows = rows.depth_mm[c] > 0.0F;
     const bool prefer_rows = from_rows && (!from_columns || rows.sigma_mm[c] < columns.sigma_mm[c]);
-    const float told_px = prefer_rows ? code_.column_px(row, col) : code_.row_px(row, col);
+    const float told_px = prefer_rows ? band.column_px(band_row, col) : band.row_px(band_row, col);
     const float expected_px = prefer_rows ? rows.other_px[c] : columns.other_px[c];
     const float most_px = kModelSlackPx + kAgreeSigmas * (columns.sigma_px[c] + rows.sigma_px[c]);
     // Where the other axis has no code, told_px is NaN and contradicts nothing.
@@ -101,17 +101,17 @@ void Triangulator::measure_both(int row, const DepthRow& out) {
   }
 }
 
-void Triangulator::measure_row(int row) {
+void Triangulator::measure_row(const CodeImage& band, int band_row, int row) {
   const DepthRow& out = depths_[static_cast<std::size_t>(row) % 2];
-  const bool columns = !code_.column_px.empty();
-  if (columns && !code_.row_px.empty()) {
-    measure_both(row, out);
+  const bool columns = !band.column_px.empty();
+  if (columns && !band.row_px.empty()) {
+    measure_both(band, band_row, row, out);
   } else {
     const Axis axis = columns ? Axis::kColumn : Axis::kRow;
-    depth_row(models_[static_cast<std::size_t>(axis)], input(axis, row), cols_, out.depth_mm.data(),
+    depth_row(models_[static_cast<std::size_t>(axis)], input(axis, band, band_row, row), cols_, out.depth_mm.data(),
               out.sigma_mm.data());
   }
-  const auto flies = edges_.push(out.depth_mm.data(), out.sigma_mm.data(), code_.modulation.row(row));
+  const auto flies = edges_.push(out.depth_mm.data(), out.sigma_mm.data(), band.modulation.row(band_row));
   if (row > 0) write_points(row - 1, flies);
   if (row == rows_ - 1) write_points(row, edges_.last());
 }
@@ -126,7 +126,7 @@ void Triangulator::write_points(int row, std::span<const std::uint8_t> flies) {
     const auto c = static_cast<std::size_t>(first);
     const std::size_t at = static_cast<std::size_t>(row) * static_cast<std::size_t>(cols_) + c;
     const RowCounts counted = point_row(&ray_u_[at], &ray_v_[at], &depths.depth_mm[c], &depths.sigma_mm[c], &flies[c],
-                                        code_.state.row(row) + first, count, points.data(), sigmas.data());
+                                        state_.row(row) + first, count, points.data(), sigmas.data());
     stream_copy(points.data(), 3 * static_cast<std::size_t>(count), point_mm_[at].data());
     stream_copy(sigmas.data(), static_cast<std::size_t>(count), &sigma_mm_[at]);
     counts_.points += counted.points;
@@ -142,22 +142,22 @@ Result<RangeImage> Triangulator::begin(const CodeImage& code) {
                    "of this camera and region",
                    cols_, rows_, code.state.cols, code.state.rows);
   }
-  code_ = code;
+  state_ = code.state;
   counts_ = {};
   edges_.begin(cols_, focal_px_);
   return RangeImage{{point_mm_.data(), rows_, cols_}, {sigma_mm_.data(), rows_, cols_}, code.texture};
 }
 
-void Triangulator::measure_rows(int first, int end) {
-  for (int row = first; row < end; ++row) measure_row(row);
-  if (end < rows_) return;
+void Triangulator::measure_rows(const CodeImage& band, int first) {
+  for (int row = 0; row < band.state.rows; ++row) measure_row(band, row, first + row);
+  if (first + band.state.rows < rows_) return;
   stream_end();
   counts_.outside_projector -= counts_.axes_disagree;
 }
 
 Result<RangeImage> Triangulator::measure(const CodeImage& code) {
   auto range = begin(code);
-  if (range) measure_rows(0, rows_);
+  if (range) measure_rows(code, 0);
   return range;
 }
 

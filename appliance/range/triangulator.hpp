@@ -36,12 +36,12 @@ class Triangulator {
   // where the image's size is not the calibration's.
   Result<RangeImage> measure(const CodeImage& code);
 
-  // The same in bands of rows, each while its codes still lie in the cache: begin(), then measure_rows() for adjoining
-  // bands [first, end) from row 0 to the last; the image is complete after that. Points come one row late, since the
-  // row below tells where an edge is.
+  // The same in bands of rows, each while its codes still lie in the cache: begin() with the views of texture and state
+  // of all rows, then measure_rows() for adjoining bands from row 0 to the last, where row 0 of `band` is row `first`;
+  // the image is complete after that. Points come one row late, since the row below tells where an edge is.
   // A further step on a row of depths goes into measure_row(), before edges_.push().
   Result<RangeImage> begin(const CodeImage& code);
-  void measure_rows(int first, int end);
+  void measure_rows(const CodeImage& band, int first);
 
   // Complete after the last row.
   [[nodiscard]] const RangeCounts& counts() const { return counts_; }
@@ -54,10 +54,10 @@ class Triangulator {
   struct DepthRow {
     std::span<float> depth_mm, sigma_mm;
   };
-  [[nodiscard]] AxisInput input(Axis axis, int row) const;
-  void measure_row(int row);
+  [[nodiscard]] AxisInput input(Axis axis, const CodeImage& band, int band_row, int row) const;
+  void measure_row(const CodeImage& band, int band_row, int row);
   // The depths of both axes, with the better one of each pixel in `out`.
-  void measure_both(int row, const DepthRow& out);
+  void measure_both(const CodeImage& band, int band_row, int row, const DepthRow& out);
   void write_points(int row, std::span<const std::uint8_t> flies);
 
   int max_rows_, max_cols_;
@@ -70,7 +70,7 @@ class Triangulator {
   std::array<AxisModel, 2> models_;
   int rows_ = 0, cols_ = 0;
   float focal_px_ = 1.0F;
-  CodeImage code_;
+  ImageView<PixelState> state_;
   RangeCounts counts_;
 };
 

@@ -15,7 +15,11 @@
 namespace beltpick::bench {
 namespace {
 
-constexpr int kBandRows = 8;  // as the appliance does
+decode::DecoderLimits limits_of(const decode::FoldPlan& plan, const Loaded& loaded, int code_rows) {
+  decode::DecoderLimits limits = decode::limits_for(plan, loaded.rows(), loaded.cols(), 1);
+  limits.code_rows = code_rows;
+  return limits;
+}
 
 }  // namespace
 
@@ -74,9 +78,9 @@ struct Job::Stages {
   RangeImage range;
 };
 
-Job::Job(const Loaded& loaded, const Calibration* calibration) : loaded_(loaded) {
+Job::Job(const Loaded& loaded, const Calibration* calibration, int code_rows) : loaded_(loaded) {
   const auto plan = need(decode::make_fold_plan(loaded.header.sequence));
-  stages_ = std::make_unique<Stages>(plan, decode::limits_for(plan, loaded.rows(), loaded.cols(), 1));
+  stages_ = std::make_unique<Stages>(plan, limits_of(plan, loaded, code_rows));
   stages_->copy.resize(loaded.frames.size() * loaded.frames.front().pixels8.size());
   stages_->triangulates = calibration != nullptr;
   if (calibration != nullptr) need(stages_->both.triangulator.load(*calibration));
@@ -101,37 +105,54 @@ void Job::fold_all(double& total_ms, double& slowest_ms) {
   }
 }
 
-void Job::finish_all(double& judge_ms, double& decode_ms, double& range_ms) {
+// `between` is called after begin_finish() and after each stage of a band.
+template <class Between>
+void Job::finish_all(Between between) {
   Stages::Both& both = stages_->both;
-  double start_ms = thread_ms();
   stages_->code = need(both.decoder.begin_finish());
   if (stages_->triangulates) stages_->range = need(both.triangulator.begin(stages_->code));
-  judge_ms = thread_ms() - start_ms;
-  decode_ms = range_ms = 0.0;
-  for (int first = 0; first < loaded_.rows(); first += kBandRows) {
-    const int end = std::min(first + kBandRows, loaded_.rows());
-    start_ms = thread_ms();
-    both.decoder.finish_rows(first, end);
-    const double middle_ms = thread_ms();
-    if (stages_->triangulates) both.triangulator.measure_rows(first, end);
-    decode_ms += middle_ms - start_ms;
-    range_ms += thread_ms() - middle_ms;
+  between(&Times::judge_ms);
+  for (int first = 0; first < loaded_.rows(); first += decode::kBandRows) {
+    const CodeImage band = both.decoder.finish_rows(first, std::min(first + decode::kBandRows, loaded_.rows()));
+    between(&Times::decode_ms);
+    if (stages_->triangulates) both.triangulator.measure_rows(band, first);
+    between(&Times::range_ms);
   }
 }
 
-Times Job::time(int passes) {
-  std::vector<double> copies, folds, slowest, judges, decodes, ranges;
+Times Job::time_once() {
+  Times times;
   const std::size_t frame_bytes = loaded_.frames.front().pixels8.size();
-  for (int pass = 0; pass < passes; ++pass) {
-    const double start_ms = thread_ms();
-    for (std::size_t i = 0; i < loaded_.frames.size(); ++i) {
-      std::memcpy(&stages_->copy[i * frame_bytes], loaded_.frames[i].pixels8.data(), frame_bytes);
-    }
-    copies.push_back(thread_ms() - start_ms);
-    fold_all(folds.emplace_back(), slowest.emplace_back());
-    finish_all(judges.emplace_back(), decodes.emplace_back(), ranges.emplace_back());
+  const double start_ms = thread_ms();
+  for (std::size_t i = 0; i < loaded_.frames.size(); ++i) {
+    std::memcpy(&stages_->copy[i * frame_bytes], loaded_.frames[i].pixels8.data(), frame_bytes);
   }
-  return {median(copies), median(folds), median(slowest), median(judges), median(decodes), median(ranges)};
+  times.memcpy_ms = thread_ms() - start_ms;
+  fold_all(times.fold_ms, times.slowest_frame_ms);
+  const double folded_ms = thread_ms();
+  finish_all([](auto) {});
+  double last_ms = thread_ms();
+  times.finish_ms = last_ms - folded_ms;
+  // Once more for its stages: to read the clock so often takes time itself.
+  finish_all([&](double Times::*stage) {
+    const double now_ms = thread_ms();
+    times.*stage += now_ms - last_ms;
+    last_ms = now_ms;
+  });
+  return times;
+}
+
+Times Job::time(int passes) {
+  std::vector<Times> all(static_cast<std::size_t>(passes));
+  for (Times& times : all) times = time_once();
+  Times middle;
+  for (double Times::*stage : {&Times::memcpy_ms, &Times::fold_ms, &Times::slowest_frame_ms, &Times::finish_ms,
+                               &Times::judge_ms, &Times::decode_ms, &Times::range_ms}) {
+    std::vector<double> values;
+    for (const Times& times : all) values.push_back(times.*stage);
+    middle.*stage = median(values);
+  }
+  return middle;
 }
 
 }  // namespace beltpick::bench

@@ -10,7 +10,7 @@
 #include "contract/calibration.hpp"
 #include "contract/capture.hpp"
 #include "contract_io/image_io.hpp"
-#include "decode/plan.hpp"
+#include "decode/decoder.hpp"
 
 namespace beltpick::bench {
 
@@ -45,23 +45,23 @@ struct Times {
   double memcpy_ms = 0.0;  // of the same frames
   double fold_ms = 0.0;
   double slowest_frame_ms = 0.0;  // to fold; the median pass
+  double finish_ms = 0.0;         // all that follows the last frame; its stages, from a second run:
   double judge_ms = 0.0;          // whether the frames are what the sequence says
   double decode_ms = 0.0;         // phase, order, mask, noise
   double range_ms = 0.0;          // points in mm, their sigma, flying pixels masked
-
-  [[nodiscard]] double finish_ms() const { return judge_ms + decode_ms + range_ms; }
 };
 
 // A decoder and, with a calibration, a triangulator in fixed memory of their own.
 class Job {
  public:
-  Job(const Loaded& loaded, const Calibration* calibration);
+  // Keeps `code_rows` rows of the code image, 0: all; see DecoderLimits.
+  Job(const Loaded& loaded, const Calibration* calibration, int code_rows);
   ~Job();
   Job(const Job&) = delete;
   Job& operator=(const Job&) = delete;
 
   Times time(int passes);
-  // Of the last pass.
+  // Of the last pass; coordinates and modulation only where all their rows are kept.
   [[nodiscard]] const CodeImage& code() const;
   [[nodiscard]] const RangeImage& range() const;
   [[nodiscard]] const decode::FoldPlan& plan() const;
@@ -69,7 +69,9 @@ class Job {
 
  private:
   void fold_all(double& total_ms, double& slowest_ms);
-  void finish_all(double& judge_ms, double& decode_ms, double& range_ms);
+  template <class Between>
+  void finish_all(Between between);
+  Times time_once();
 
   struct Stages;
   const Loaded& loaded_;
