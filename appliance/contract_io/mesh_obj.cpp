@@ -16,8 +16,8 @@ long vertex_index(const std::string& corner) {
   }
 }
 
-// A polygon as a fan of triangles.
-Result<void> add_polygon(std::istringstream& line, std::size_t line_number, const std::string& name, Mesh& mesh) {
+// The corners of one line.
+Result<void> add_face(std::istringstream& line, std::size_t line_number, const std::string& name, Mesh& mesh) {
   std::vector<std::uint32_t> polygon;
   std::string corner;
   while (line >> corner) {
@@ -25,12 +25,14 @@ Result<void> add_polygon(std::istringstream& line, std::size_t line_number, cons
     const long count = static_cast<long>(mesh.vertex_mm.size());
     const long resolved = index < 0 ? count + index : index - 1;
     if (index == 0 || resolved < 0 || resolved >= count) {
-      return failure(ResultCode::kFormatInvalid, "%s: line %zu: expected a vertex number from 1 to %ld, found '%.40s'",
+      return failure(ResultCode::kFormatInvalid,
+                     "%s: line %zu: expected a vertex number from 1 to %ld, found '%.40s'; export "
+                     "it again",
                      name.c_str(), line_number, count, corner.c_str());
     }
     polygon.push_back(static_cast<std::uint32_t>(resolved));
   }
-  for (std::size_t k = 2; k < polygon.size(); ++k) mesh.face.push_back({polygon[0], polygon[k - 1], polygon[k]});
+  add_polygon(polygon, mesh);
   return {};
 }
 
@@ -47,12 +49,13 @@ Result<Mesh> parse_obj(std::string_view bytes, const std::string& name) {
     if (keyword == "v") {
       Vec3f vertex;
       if (!(line >> vertex.x() >> vertex.y() >> vertex.z())) {
-        return failure(ResultCode::kFormatInvalid, "%s: line %zu: expected three numbers after 'v'", name.c_str(),
+        return failure(ResultCode::kFormatInvalid,
+                       "%s: line %zu: expected three finite numbers after 'v'; export it again", name.c_str(),
                        line_number);
       }
       mesh.vertex_mm.push_back(vertex);
     } else if (keyword == "f") {
-      if (auto added = add_polygon(line, line_number, name, mesh); !added) return std::unexpected(added.error());
+      if (auto added = add_face(line, line_number, name, mesh); !added) return std::unexpected(added.error());
     }
   }
   return mesh;

@@ -159,26 +159,26 @@ void read_vertex(const Element& element, Body& body, bool has_normals, Mesh& mes
   if (has_normals) mesh.vertex_normal.push_back(normal);
 }
 
-void read_face(const Element& element, Body& body, Mesh& mesh) {
+bool is_corners(const Property& property) {
+  return property.name == "vertex_indices" || property.name == "vertex_index";
+}
+
+// Index of no vertex: refused when the mesh is checked.
+constexpr std::uint32_t kNoVertex = 0xFFFFFFFFU;
+
+void read_face(const Element& element, Body& body, Mesh& mesh, std::vector<std::uint32_t>& polygon) {
   for (const Property& property : element.properties) {
     if (property.count_type.empty()) {
       body.number(property.type);
       continue;
     }
     const auto count = static_cast<std::size_t>(std::max(0.0, body.number(property.count_type)));
-    std::array<std::uint32_t, 3> face{};
+    polygon.clear();
     for (std::size_t k = 0; k < count && !body.failed(); ++k) {
       const double value = body.number(property.type);
-      if (property.name != "vertex_indices" && property.name != "vertex_index") continue;
-      const auto index = value < 0 ? 0xFFFFFFFFU : static_cast<std::uint32_t>(value);
-      if (k < 2) {
-        face[k] = index;
-        continue;
-      }
-      face[2] = index;
-      mesh.face.push_back(face);
-      face[1] = index;  // the next triangle of the fan
+      polygon.push_back(value >= 0 && value < kNoVertex ? static_cast<std::uint32_t>(value) : kNoVertex);
     }
+    if (is_corners(property)) add_polygon(polygon, mesh);
   }
 }
 
@@ -187,12 +187,30 @@ bool has_property(const Element& element, std::string_view name) {
                      [&](const Property& p) { return p.name == name; });
 }
 
+// A surface told in another way than by faces must not pass for a scan without any.
+Result<void> check_surface_elements(const Header& header, const std::string& name) {
+  for (const Element& element : header.elements) {
+    const bool faces = element.name == "face" && element.count > 0;
+    if (element.name != "tristrips" &&
+        (!faces || std::any_of(element.properties.begin(), element.properties.end(), is_corners))) {
+      continue;
+    }
+    return failure(ResultCode::kFormatInvalid,
+                   "%s: PLY: expected faces with a list 'vertex_indices', found element '%.40s' without; export "
+                   "triangles",
+                   name.c_str(), element.name.c_str());
+  }
+  return {};
+}
+
 }  // namespace
 
 Result<Mesh> parse_ply(std::string_view bytes, const std::string& name) {
   auto header = parse_header(bytes, name);
   if (!header) return std::unexpected(header.error());
+  if (auto known = check_surface_elements(*header, name); !known) return std::unexpected(known.error());
   Mesh mesh;
+  std::vector<std::uint32_t> polygon;
   Body body(bytes.substr(header->body), header->encoding);
   for (const Element& element : header->elements) {
     const bool is_vertex = element.name == "vertex";
@@ -204,7 +222,8 @@ Result<Mesh> parse_ply(std::string_view bytes, const std::string& name) {
       if (is_vertex) {
         read_vertex(element, body, has_normals, mesh);
       } else {
-        read_face(element, body, mesh);  // other elements are read past the same way: their lists carry other names
+        read_face(element, body, mesh,
+                  polygon);  // other elements are read past the same way: their lists carry other names
       }
       if (body.failed()) {
         return failure(ResultCode::kFormatInvalid,

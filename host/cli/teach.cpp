@@ -12,16 +12,11 @@
 #include "progress.hpp"
 #include "teach/report.hpp"
 #include "teach/teach.hpp"
+#include "teach/units.hpp"
 
 namespace beltpick::cli {
 namespace {
 
-struct Unit {
-  const char* name;
-  double mm;
-};
-constexpr std::array kUnits{Unit{"mm", 1.0}, Unit{"cm", 10.0}, Unit{"m", 1000.0}, Unit{"um", 0.001},
-                            Unit{"inch", 25.4}};
 constexpr std::array kKinds{"plane", "cylinder", "sphere"};
 
 struct TeachCommand {
@@ -32,13 +27,6 @@ struct TeachCommand {
   std::string report;
   int points = static_cast<int>(teach::TeachOptions{}.points);
 };
-
-double mm_per_unit(const std::string& units) {
-  for (const Unit& unit : kUnits) {
-    if (units == unit.name) return unit.mm;
-  }
-  return 1.0;
-}
 
 contract_io::Json json_of(const Primitive& primitive) {
   return {{"kind", kKinds[static_cast<std::size_t>(primitive.kind)]},
@@ -91,13 +79,14 @@ Result<std::vector<Grasp>> grasps_of(const TeachCommand& command) {
 
 Result<void> run(const TeachCommand& command, Session& session) {
   Progress progress("teach", 3, session.json);
-  auto mesh = contract_io::read_mesh(command.mesh, mm_per_unit(command.units));
+  auto mesh = contract_io::read_mesh(command.mesh, teach::mm_per_unit(command.units));
   if (!mesh) return std::unexpected(mesh.error());
   auto grasps = grasps_of(command);
   if (!grasps) return std::unexpected(grasps.error());
   progress.show(1);
-  const auto taught =
-      teach::teach(std::move(*mesh), std::move(*grasps), {.points = static_cast<std::size_t>(command.points)});
+  const teach::TeachOptions options{.points = static_cast<std::size_t>(command.points),
+                                    .mm_per_unit = teach::mm_per_unit(command.units)};
+  const auto taught = teach::teach(std::move(*mesh), std::move(*grasps), options);
   if (!taught) return failure(taught.error().code, "%s: %s", command.mesh.c_str(), taught.error().detail);
   progress.show(2);
   if (auto written = contract_io::write_template(command.out, taught->part); !written) return written;
@@ -119,7 +108,7 @@ Run add_teach(CLI::App& app) {
       ->required()
       ->type_name("FILE");
   std::vector<std::string> units;
-  for (const Unit& unit : kUnits) units.emplace_back(unit.name);
+  for (const teach::Unit& unit : teach::kUnits) units.emplace_back(unit.name);
   app.add_option("--units", command->units, "of the file's coordinates (default mm)")->check(CLI::IsMember(units));
   app.add_option("--out", command->out, "the template to write; its stem becomes the part's name")
       ->required()

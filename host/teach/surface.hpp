@@ -18,13 +18,19 @@ struct Surface {
 
 // What was found wrong with a mesh and mended, or could not be.
 struct MeshRepair {
+  std::size_t degenerate_faces = 0;  // without an area, also after equal corners became one
   std::size_t duplicate_faces = 0;
   std::size_t flipped_faces = 0;
-  std::size_t open_edges = 0;  // edges of only one face: a hole, or a surface without thickness
+  std::size_t branching_edges = 0;  // of more than two faces: walls inside, or bodies that touch
+  std::size_t open_edges = 0;       // of only one face: a hole, or a surface without thickness
+  std::size_t holes = 0;            // loops of open edges with an area
+  double hole_share = 0.0;          // their area, of that of the surface
+  std::size_t specks = 0;           // pieces far smaller than the part and apart from it: taken out
+  std::size_t pieces = 1;           // bodies whose boxes do not meet
 };
 
-// Welds equal vertices, removes duplicate faces and turns the faces so that neighbours agree and closed shells look
-// outward. The mesh must have faces.
+// Welds vertices that are equal but for rounding, removes duplicate faces and specks and turns the faces so that
+// neighbours agree and closed shells look outward. The mesh must have faces; it has none left where none had an area.
 MeshRepair repair(Mesh& mesh);
 
 // Spreads `count` points evenly over the faces of a repaired mesh by dart throwing: no two points with like normals lie

@@ -3,13 +3,16 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdarg>
-#include <cstdio>
+
+#include <Eigen/Geometry>
 
 #include "base/units.hpp"
 #include "contract/result_codes.hpp"
+#include "contract_io/template_judge.hpp"
+#include "html/page.hpp"
 #include "primitives/msac.hpp"
 #include "teach/default_grasps.hpp"
+#include "teach/units.hpp"
 
 namespace beltpick::teach {
 
@@ -17,18 +20,12 @@ namespace {
 
 constexpr int kPrimitivePoints = 12000;
 constexpr int kMaxPrimitives = 10;
-// Below this size a part is likely in metres, above in micrometres, or in inches.
-constexpr double kDiagonalMin_mm = 4.0;
-constexpr double kDiagonalMax_mm = 2000.0;
+// Of the surface: what holes may hide before it is worth a word.
+constexpr double kSeriousHoles = 0.005;
+// A modeller's rounding makes a few of these.
+constexpr std::size_t kManyBranching = 20;
 
-[[gnu::format(printf, 1, 2)]] std::string text(const char* format, ...) {
-  std::array<char, 300> line{};
-  std::va_list arguments;
-  va_start(arguments, format);
-  std::vsnprintf(line.data(), line.size(), format, arguments);
-  va_end(arguments);
-  return line.data();
-}
+using html::formatted;
 
 std::vector<OrientedPoint> oriented(const Surface& surface) {
   std::vector<OrientedPoint> points;
@@ -57,31 +54,71 @@ void take_box(PartTemplate& part) {
   part.box_max_mm = high.cast<double>();
 }
 
-void warn_of_size(const PartTemplate& part, std::vector<std::string>& warnings) {
-  const Vec3 size = part.box_max_mm - part.box_min_mm;
-  if (size.norm() >= kDiagonalMin_mm && size.norm() <= kDiagonalMax_mm) return;
-  warnings.push_back(text("the part measures %.3g x %.3g x %.3g mm: check --units", size.x(), size.y(), size.z()));
+// The box of what is taught: of vertices that faces use, or of a scan's points.
+Result<void> check_mesh(const Mesh& mesh, bool scan, double mm_per_unit) {
+  Eigen::AlignedBox3f box;
+  if (scan) {
+    for (const Vec3f& vertex : mesh.vertex_mm) box.extend(vertex);
+  } else {
+    for (const auto& face : mesh.face) {
+      for (const std::uint32_t index : face) box.extend(mesh.vertex_mm[index]);
+    }
+  }
+  if (box.isEmpty()) {
+    return failure(ResultCode::kMeshInvalid, "expected faces with an area, found none; export the part's surface");
+  }
+  return check_size(box.min().cast<double>(), box.max().cast<double>(), mm_per_unit);
+}
+
+void warn_of_size(const PartTemplate& part, double mm_per_unit, std::vector<std::string>& warnings) {
+  const std::string doubt = doubt_of_size(part.box_max_mm - part.box_min_mm, mm_per_unit);
+  if (!doubt.empty()) warnings.push_back(doubt);
+}
+
+void warn_of_holes(const MeshRepair& repair, std::vector<std::string>& warnings) {
+  if (repair.holes == 0) return;
+  if (repair.hole_share < 0.3) {
+    warnings.push_back(formatted(
+        "the mesh has open edges round %zu places, %.2g %% of its surface: %s", repair.holes, 100 * repair.hole_share,
+        repair.hole_share < kSeriousHoles ? "too little to matter"
+                                          : "what lies there is not part of the template; close them in CAD"));
+  } else {
+    warnings.push_back(
+        "the surface is open and has no thickness: it can be found from the side that its faces look to; export a "
+        "closed body");
+  }
 }
 
 void warn_of_mesh(const MeshRepair& repair, std::vector<std::string>& warnings) {
-  if (repair.open_edges > 0) {
-    warnings.push_back(text("the mesh is open at %zu edges: surfaces without thickness are seen from one side only",
-                            repair.open_edges));
+  warn_of_holes(repair, warnings);
+  if (repair.pieces > 1) {
+    warnings.push_back(formatted(
+        "the file holds %zu bodies apart from each other: taught as one rigid part; export one", repair.pieces));
+  }
+  if (repair.specks > 0)
+    warnings.push_back(formatted("%zu tiny pieces apart from the part were left out", repair.specks));
+  if (repair.branching_edges > kManyBranching) {
+    warnings.push_back(
+        formatted("%zu edges join more than two faces (walls inside, or bodies that touch): taken as they are",
+                  repair.branching_edges));
   }
   if (repair.flipped_faces > 0)
-    warnings.push_back(text("%zu faces looked inward and were turned", repair.flipped_faces));
-  if (repair.duplicate_faces > 0) warnings.push_back(text("%zu duplicate faces were removed", repair.duplicate_faces));
+    warnings.push_back(formatted("%zu faces looked inward and were turned", repair.flipped_faces));
+  if (repair.duplicate_faces > 0)
+    warnings.push_back(formatted("%zu duplicate faces were removed", repair.duplicate_faces));
+  if (repair.degenerate_faces > 0)
+    warnings.push_back(formatted("%zu faces without area were removed", repair.degenerate_faces));
 }
 
 void warn_of_ambiguity(const Taught& taught, std::vector<std::string>& warnings) {
   if (taught.part.symmetry.name != "none") {
-    warnings.push_back(text("the part has symmetry %s: its poses are known up to that, and reported as ambiguous",
-                            taught.part.symmetry.name.c_str()));
+    warnings.push_back(formatted("the part has symmetry %s: its poses are known up to that, and reported as ambiguous",
+                                 taught.part.symmetry.name.c_str()));
   }
   if (taught.nearest_turn) {
-    warnings.push_back(
-        text("a turn of %.0f degrees changes only %.1f %% of the surface: where that is not seen, the part is withheld",
-             deg_from_rad(taught.nearest_turn->angle_rad), 100 * taught.nearest_turn->differing_share));
+    warnings.push_back(formatted(
+        "a turn of %.0f degrees changes only %.1f %% of the surface: where that is not seen, the part is withheld",
+        deg_from_rad(taught.nearest_turn->angle_rad), 100 * taught.nearest_turn->differing_share));
   }
 }
 
@@ -124,7 +161,11 @@ std::vector<Primitive> find_primitives(const Surface& surface, std::uint64_t see
 Result<Taught> teach(Mesh mesh, std::vector<Grasp> grasps, const TeachOptions& options) {
   Taught taught;
   const bool scan = mesh.face.empty();
-  if (!scan) taught.repair = repair(mesh);
+  if (auto sized = check_mesh(mesh, scan, options.mm_per_unit); !sized) return std::unexpected(sized.error());
+  if (!scan) {
+    taught.repair = repair(mesh);
+    if (auto sized = check_mesh(mesh, scan, options.mm_per_unit); !sized) return std::unexpected(sized.error());
+  }
   auto surface =
       scan ? sample_scan(mesh, options.points, options.seed) : sample_mesh(mesh, options.points, options.seed);
   if (!surface) return std::unexpected(surface.error());
@@ -141,12 +182,16 @@ Result<Taught> teach(Mesh mesh, std::vector<Grasp> grasps, const TeachOptions& o
   taught.nearest_turn = symmetry.nearest_turn;
   part.grasps =
       grasps.empty() ? default_grasps(taught.surface, part.primitives, options.opening_max_mm) : std::move(grasps);
-  warn_of_size(part, taught.warnings);
+  warn_of_size(part, options.mm_per_unit, taught.warnings);
   if (!scan) warn_of_mesh(taught.repair, taught.warnings);
   warn_of_ambiguity(taught, taught.warnings);
   if (part.grasps.empty()) {
     taught.warnings.push_back(
-        text("no place narrower than %.0f mm to grip was found: give --grasps", options.opening_max_mm));
+        formatted("no place narrower than %.0f mm to grip was found: give --grasps", options.opening_max_mm));
+  }
+  // What is written must be what the appliance takes.
+  if (auto judged = contract_io::judge_template(part, "the template"); !judged) {
+    return std::unexpected(judged.error());
   }
   return taught;
 }

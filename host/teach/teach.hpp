@@ -16,6 +16,7 @@ namespace beltpick::teach {
 struct TeachOptions {
   std::size_t points = 36600;     // of the template, as the paper's
   double opening_max_mm = 110.0;  // of default grasps
+  double mm_per_unit = 1.0;       // that the mesh was read with: for advice on units
   std::uint64_t seed = 1;
 };
 
@@ -28,7 +29,7 @@ struct Taught {
 };
 
 // `mesh` in mm, part frame = the file's own coordinates. Grasps may be empty: then default ones are made. Errors:
-// kMeshInvalid.
+// kMeshInvalid where the mesh has no area or a size that cannot be; kValueOutOfRange.
 Result<Taught> teach(Mesh mesh, std::vector<Grasp> grasps, const TeachOptions& options);
 
 // The planes, cylinders and spheres of a surface, those first that a search gains most by.
