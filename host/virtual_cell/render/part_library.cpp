@@ -120,6 +120,27 @@ Result<ScenePart> builtin_part(const std::string& name) {
   return failure(ResultCode::kUsage, "part %s: expected knuckle, elbow, bracket, vblock or a mesh file", name.c_str());
 }
 
+ScenePart mirrored(const ScenePart& part, std::string name) {
+  const Vec3 flip(-1.0, 1.0, 1.0);
+  Mesh mesh = part.mesh;
+  mesh.vertex_normal.clear();
+  for (Vec3f& vertex : mesh.vertex_mm) vertex.x() = -vertex.x();
+  for (auto& face : mesh.face) std::swap(face[1], face[2]);
+  ScenePart twin = *make_part(std::move(name), std::move(mesh));  // as sound as the part itself
+  for (const auto& turn : part.symmetries) {
+    const Mat3 rotation = flip.asDiagonal() * turn.rotation * flip.asDiagonal();
+    twin.symmetries.push_back({rotation, flip.cwiseProduct(turn.translation_mm)});
+  }
+  for (const Grasp& g : part.grasps) {
+    const Mat3& axes = g.T_part_gripper.rotation;
+    twin.grasps.push_back(grasp(g.name, flip.cwiseProduct(g.T_part_gripper.translation_mm),
+                                flip.cwiseProduct(Vec3(axes.col(2))), flip.cwiseProduct(Vec3(axes.col(0))),
+                                g.opening_mm));
+  }
+  twin.finish = part.finish;
+  return twin;
+}
+
 Result<ScenePart> load_part(const std::string& name_or_file, double mm_per_unit) {
   const std::filesystem::path path(name_or_file);
   if (path.extension().empty()) return builtin_part(name_or_file);

@@ -74,8 +74,9 @@ struct SceneMaker::State {
 
   [[nodiscard]] double share_in_view(const BeltPart& placed) const;
   [[nodiscard]] Mat3 orientation(int part, Lay lay, Random& random) const;
-  [[nodiscard]] bool place_apart(Lay lay, Random& random, Scene& scene) const;
-  [[nodiscard]] bool place_leaning(Random& random, Scene& scene) const;
+  [[nodiscard]] int choice(int part, Random& random) const;
+  [[nodiscard]] bool place_apart(const PartLay& lay, Random& random, Scene& scene) const;
+  [[nodiscard]] bool place_leaning(int part, Random& random, Scene& scene) const;
 };
 
 // The share of the part's surface points whose pixel lies in the image; hidden ones count as well.
@@ -87,6 +88,10 @@ double SceneMaker::State::share_in_view(const BeltPart& placed) const {
       ++inside;
   }
   return static_cast<double>(inside) / static_cast<double>(points[placed.part].size());
+}
+
+int SceneMaker::State::choice(int part, Random& random) const {
+  return part == PartLay::kDrawn ? static_cast<int>(random.below(static_cast<std::uint32_t>(parts.size()))) : part;
 }
 
 // A resting pose fit for the way of laying, turned about the vertical at random.
@@ -116,13 +121,14 @@ Mat3 SceneMaker::State::orientation(int part, Lay lay, Random& random) const {
 }
 
 // Lays a part where it touches no other. False when there is no room.
-bool SceneMaker::State::place_apart(Lay lay, Random& random, Scene& scene) const {
+bool SceneMaker::State::place_apart(const PartLay& asked, Random& random, Scene& scene) const {
+  const Lay lay = asked.lay;
   std::vector<Footprint> taken;
   for (const BeltPart& other : scene) taken.push_back(footprint(points[other.part], other));
   const ShareRange share = lay == Lay::kCut ? ShareRange{0.45, 0.88} : ShareRange{1.0, 1.0};
   for (int attempt = 0; attempt < kPlacementTries; ++attempt) {
     BeltPart placed;
-    placed.part = static_cast<int>(random.below(static_cast<std::uint32_t>(parts.size())));
+    placed.part = choice(asked.part, random);
     placed.T_belt_part.rotation = orientation(placed.part, lay, random);
     double lowest = 0.0;
     for (const Vec3f& v : parts[placed.part].mesh.vertex_mm) {
@@ -144,12 +150,12 @@ bool SceneMaker::State::place_apart(Lay lay, Random& random, Scene& scene) const
 }
 
 // Drops a part partly over the last one and lets all settle. False when it rolls off or out of view.
-bool SceneMaker::State::place_leaning(Random& random, Scene& scene) const {
+bool SceneMaker::State::place_leaning(int part, Random& random, Scene& scene) const {
   const BeltPart below = scene.back();
   const Vec3 target = below.T_belt_part * parts[below.part].centre_of_mass_mm;
   for (int attempt = 0; attempt < 6; ++attempt) {
     BeltPart placed;
-    placed.part = static_cast<int>(random.below(static_cast<std::uint32_t>(parts.size())));
+    placed.part = choice(part, random);
     placed.T_belt_part.rotation = orientation(placed.part, Lay::kLeaning, random);
     const double away = random.uniform(0.0, 2.0 * kPi);
     const double distance_mm = random.uniform(0.35, 0.7) * reach_mm[placed.part];
@@ -175,13 +181,19 @@ SceneMaker::~SceneMaker() = default;
 const std::vector<RestingPose>& SceneMaker::resting(int part) const { return state_->resting[part]; }
 
 Scene SceneMaker::make(std::span<const Lay> lays, std::uint64_t seed) const {
+  std::vector<PartLay> drawn;
+  for (const Lay lay : lays) drawn.push_back({lay});
+  return make(drawn, seed);
+}
+
+Scene SceneMaker::make(std::span<const PartLay> lays, std::uint64_t seed) const {
   Scene best;
   for (int attempt = 0; attempt < kSceneTries && best.size() < lays.size(); ++attempt) {
     Random random(seed, 100 + static_cast<std::uint64_t>(attempt));
     Scene scene;
-    for (const Lay lay : lays) {
-      if (lay == Lay::kLeaning && !scene.empty() && state_->place_leaning(random, scene)) continue;
-      if (!state_->place_apart(lay == Lay::kLeaning ? Lay::kFlat : lay, random, scene)) break;
+    for (const auto& [lay, part] : lays) {
+      if (lay == Lay::kLeaning && !scene.empty() && state_->place_leaning(part, random, scene)) continue;
+      if (!state_->place_apart({lay == Lay::kLeaning ? Lay::kFlat : lay, part}, random, scene)) break;
     }
     if (scene.size() > best.size() || attempt == 0) best = scene;
   }

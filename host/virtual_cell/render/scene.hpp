@@ -22,6 +22,13 @@ enum class Lay : std::uint8_t {
   kCut       // as kAny, but partly outside the view
 };
 
+// A part to be laid: which of the parts, or one drawn by seed.
+struct PartLay {
+  static constexpr int kDrawn = -1;
+  Lay lay = Lay::kAny;
+  int part = kDrawn;
+};
+
 // Lays parts one after the other where there is room, leaning ones onto their predecessor.
 class SceneMaker {
  public:
@@ -33,6 +40,8 @@ class SceneMaker {
 
   // One view: a part for each entry of `lays`; which of the parts is drawn by seed.
   [[nodiscard]] Scene make(std::span<const Lay> lays, std::uint64_t seed) const;
+  // The same with parts of one's choice. Fewer come where there is no room for all.
+  [[nodiscard]] Scene make(std::span<const PartLay> lays, std::uint64_t seed) const;
 
   // A belt of `count` parts in views of three: mostly any resting pose, some leaning, some cut by the image's border.
   [[nodiscard]] std::vector<Scene> make_belt(int count, std::uint64_t seed) const;

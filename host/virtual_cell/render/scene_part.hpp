@@ -43,6 +43,9 @@ Result<ScenePart> make_part(std::string name, Mesh mesh);
 Result<ScenePart> builtin_part(const std::string& name);
 std::vector<std::string> builtin_part_names();
 
+// The part as a mirror shows it (x -> -x), with its grasps; named `name`.
+ScenePart mirrored(const ScenePart& part, std::string name);
+
 // A built-in part by its name, or a mesh file (named after its stem) with `mm_per_unit`.
 // Errors: as builtin_part, make_part and contract_io::read_mesh.
 Result<ScenePart> load_part(const std::string& name_or_file, double mm_per_unit = 1.0);

@@ -1,0 +1,43 @@
+// BeltCamera: the virtual cell's camera over a scene of the bench: renders every frame, folds it into the product's
+// decoder, and knows the truth.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "bench/pose/machine.hpp"
+#include "bench/pose/part_pool.hpp"
+#include "bench/pose/scene_plan.hpp"
+#include "contract/calibration.hpp"
+#include "contract/truth.hpp"
+#include "virtual_cell/render/scene_renderer.hpp"
+
+namespace beltpick::bench {
+
+struct SeenScene {
+  Truth truth;
+  std::vector<int> part;                     // of the truth's parts, the index into the pool
+  ImageView<const std::uint16_t> instances;  // of every pixel: 0 none, i the truth's part i - 1
+  RangeImage range;
+};
+
+class BeltCamera {
+ public:
+  BeltCamera(const PartPool& pool, int width, int height);
+
+  // The views stay good until the next call.
+  SeenScene look(const ScenePlan& plan, Machine& machine);
+
+  [[nodiscard]] const Calibration& calibration() const { return calibration_; }
+
+ private:
+  const PartPool& pool_;
+  virtual_cell::Rig rig_;
+  Calibration calibration_;
+  Sequence sequence_;
+  virtual_cell::SceneMaker maker_;
+  std::unique_ptr<virtual_cell::SceneRenderer> renderer_;
+  std::vector<std::uint8_t> pixels_;
+};
+
+}  // namespace beltpick::bench

@@ -1,0 +1,19 @@
+// bench_pose: how often poses are right, wrong or missing. See --help (options.hpp).
+#include <cstdio>
+#include <exception>
+
+#include "bench/pose/report.hpp"
+#include "bench/pose/run.hpp"
+
+int main(int argc, char** argv) {
+  using namespace beltpick::bench;
+  try {
+    const Options options = read_options(argc, argv);
+    const PartPool pool = make_part_pool(options.families, options.templates);
+    print_report(options, run_scenes(options, pool));
+    return 0;
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "bench_pose: %s\n", error.what());
+    return 1;
+  }
+}

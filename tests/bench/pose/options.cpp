@@ -1,0 +1,71 @@
+#include "bench/pose/options.hpp"
+
+#include <charconv>
+#include <cstdio>
+#include <cstdlib>
+#include <sstream>
+#include <stdexcept>
+
+namespace beltpick::bench {
+namespace {
+
+template <class T>
+T number(const std::string& name, const std::string& text) {
+  T value{};
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc{} || end != text.data() + text.size())
+    throw std::runtime_error(name + ": expected a number, found '" + text + "'");
+  return value;
+}
+
+void take(Options& options, const std::string& name, const std::string& value) {
+  if (name == "--seed") {
+    options.seed = number<std::uint64_t>(name, value);
+  } else if (name == "--scenes") {
+    options.scenes = number<int>(name, value);
+  } else if (name == "--first") {
+    options.first_scene = number<int>(name, value);
+  } else if (name == "--records") {
+    options.records = value;
+  } else if (name == "--jobs") {
+    options.jobs = number<int>(name, value);
+  } else if (name == "--templates") {
+    options.templates = value;
+  } else if (name == "--scene") {
+    options.scene = number<int>(name, value);
+  } else if (name == "--camera") {
+    const std::size_t x = value.find('x');
+    options.width = number<int>(name, value.substr(0, x));
+    options.height = number<int>(name, x == std::string::npos ? "" : value.substr(x + 1));
+  } else if (name == "--families") {
+    options.families.clear();
+    std::stringstream stream(value);
+    for (std::string item; std::getline(stream, item, ',');) options.families.push_back(item);
+  } else {
+    throw std::runtime_error(name + ": no such option; see --help");
+  }
+}
+
+}  // namespace
+
+Options read_options(int argc, char** argv) {
+  Options options;
+  for (int i = 1; i < argc; ++i) {
+    const std::string name = argv[i];
+    if (name == "--help" || name == "-h") {
+      std::fputs(kHelp, stdout);
+      std::exit(0);
+    }
+    if (name == "--json") {
+      options.json_only = true;
+      continue;
+    }
+    if (i + 1 == argc) throw std::runtime_error(name + ": expected a value after it; see --help");
+    take(options, name, argv[++i]);
+  }
+  if (options.scene) options.first_scene = *options.scene, options.scenes = options.jobs = 1;
+  if (options.jobs < 1 || options.scenes < 1) throw std::runtime_error("--jobs, --scenes: expected at least 1");
+  return options;
+}
+
+}  // namespace beltpick::bench

@@ -1,0 +1,158 @@
+#include "bench/pose/run.hpp"
+
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <fstream>
+#include <map>
+#include <stdexcept>
+
+#include "base/clock.hpp"
+#include "bench/pose/need.hpp"
+
+namespace beltpick::bench {
+namespace {
+
+constexpr double kRecallVisible = 0.6;
+
+// One process's share of the bench: camera and machine.
+class Worker {
+ public:
+  Worker(const Options& options, const PartPool& pool)
+      : options_(options), pool_(pool), camera_(pool, options.width, options.height), machine_(limits(options)) {}
+
+  SceneRecord run(int k) {
+    const ScenePlan plan = plan_scene(pool_, options_.seed, k);
+    if (plan.loaded != loaded_) {
+      std::vector<PartTemplate> templates;
+      for (const int index : plan.loaded) templates.push_back(pool_.templates[static_cast<std::size_t>(index)]);
+      need(machine_.pipeline.load(templates));
+      loaded_ = plan.loaded;
+    }
+    const Stopwatch watch;
+    const SeenScene seen = camera_.look(plan, machine_);
+    const double render_ms = watch.elapsed_ms();
+    const auto located = need(machine_.pipeline.locate(
+        {seen.range, camera_.calibration().camera, pipeline::projector_position_mm(camera_.calibration()), 1}));
+    SceneRecord record{k, std::string(kSceneKindNames[static_cast<std::size_t>(plan.kind)]),
+                       judge(seen, plan, pool_, machine_, located)};
+    record.fate.render_ms = render_ms;
+    return record;
+  }
+
+ private:
+  static Limits limits(const Options& options) {
+    Limits limits;
+    limits.image_width = options.width;
+    limits.image_height = options.height;
+    return limits;
+  }
+
+  const Options& options_;
+  const PartPool& pool_;
+  BeltCamera camera_;
+  Machine machine_;
+  std::vector<int> loaded_;
+};
+
+// Runs every jobs-th block of scenes, those of equal templates together, and writes their records to `out`.
+void work(const Options& options, const PartPool& pool, const std::vector<int>& scenes, int job, FILE* out) {
+  constexpr int kBlock = 10;
+  Worker worker(options, pool);
+  for (const int k : scenes) {
+    if ((k / kBlock) % options.jobs != job) continue;
+    std::fputs((to_line(worker.run(k)) + "\n").c_str(), out);
+    std::fflush(out);
+  }
+}
+
+void tell(const SceneRecord& record, std::size_t done, std::size_t all) {
+  std::fprintf(stderr, "\r%zu/%zu", done, all);
+  for (const FalsePose& p : record.fate.false_poses) {
+    std::fprintf(stderr, "\rscene %d (%s): %s %s, nearest %s, %.2f mm %.2f deg, score %.3f coverage %.2f\n",
+                 record.scene, record.kind.c_str(), p.duplicate ? "found twice:" : "WRONG:", p.part.c_str(),
+                 p.nearest.c_str(), p.error.mm, p.error.deg, p.score, p.coverage);
+  }
+  for (const TruePartFate& p : record.fate.parts) {
+    if (!p.loaded || p.found || p.visible < kRecallVisible) continue;
+    std::fprintf(stderr, "\rscene %d (%s): missed %s, %.2f visible, %.2f measured: %s\n", record.scene,
+                 record.kind.c_str(), p.part.c_str(), p.visible, p.measured, p.why.c_str());
+  }
+}
+
+std::map<int, SceneRecord> kept(const Options& options) {
+  std::map<int, SceneRecord> records;
+  std::ifstream file(options.records);
+  for (std::string line; std::getline(file, line);) {
+    const SceneRecord record = from_line(line);
+    if (record.scene >= options.first_scene && record.scene < options.first_scene + options.scenes)
+      records[record.scene] = record;
+  }
+  return records;
+}
+
+// Reads the lines of all workers as they come.
+void collect(FILE* lines, const Options& options, std::size_t left, std::map<int, SceneRecord>& records) {
+  std::ofstream keep;
+  if (!options.records.empty()) keep.open(options.records, std::ios::app);
+  const std::size_t all = records.size() + left;
+  char* line = nullptr;
+  std::size_t room = 0;
+  while (getline(&line, &room, lines) > 0) {
+    const SceneRecord record = from_line(line);
+    keep << line << std::flush;
+    records[record.scene] = record;
+    tell(record, records.size(), all);
+  }
+  std::fputs("\r", stderr);
+  free(line);
+}
+
+}  // namespace
+
+std::vector<SceneRecord> run_scenes(const Options& options, const PartPool& pool) {
+  std::map<int, SceneRecord> records = kept(options);
+  std::vector<int> scenes;
+  for (int k = options.first_scene; k < options.first_scene + options.scenes; ++k) {
+    if (!records.contains(k)) scenes.push_back(k);
+  }
+  int ends[2];
+  if (pipe(ends) != 0) throw std::runtime_error("no pipe");
+  std::vector<pid_t> children;
+  for (int job = 0; job < options.jobs; ++job) {
+    const pid_t child = fork();
+    if (child < 0) throw std::runtime_error("no process");
+    if (child == 0) {
+      close(ends[0]);
+      FILE* out = fdopen(ends[1], "w");
+      int status = 0;
+      try {
+        work(options, pool, scenes, job, out);
+      } catch (const std::exception& error) {
+        std::fprintf(stderr, "bench_pose: %s\n", error.what());
+        status = 1;
+      }
+      std::fflush(out);
+      _exit(status);
+    }
+    children.push_back(child);
+  }
+  close(ends[1]);
+  FILE* lines = fdopen(ends[0], "r");
+  collect(lines, options, scenes.size(), records);
+  std::fclose(lines);
+  bool sound = true;
+  for (const pid_t child : children) {
+    int status = 0;
+    waitpid(child, &status, 0);
+    sound = sound && status == 0;
+  }
+  if (!sound) throw std::runtime_error("a worker failed; with --records the run goes on where it stood");
+  std::vector<SceneRecord> in_order;
+  for (auto& [k, record] : records) in_order.push_back(std::move(record));
+  return in_order;
+}
+
+}  // namespace beltpick::bench

@@ -1,0 +1,33 @@
+// What lies on the belt in the bench's scene number k, and which templates are loaded there: all from seed and k.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string_view>
+#include <vector>
+
+#include "bench/pose/part_pool.hpp"
+#include "virtual_cell/render/scene.hpp"
+
+namespace beltpick::bench {
+
+enum class SceneKind : std::uint8_t {
+  kApart,    // parts of one family side by side, some on an edge, some cut by the image's border
+  kHeap,     // parts of one family leaning on each other
+  kMixed,    // three families, all of them loaded
+  kForeign,  // among and under things that no template is loaded for
+  kTwins     // among mirror images; the mirrored template is loaded too in half of these scenes
+};
+inline constexpr std::array<std::string_view, 5> kSceneKindNames{"apart", "heap", "mixed", "foreign", "twins"};
+
+struct ScenePlan {
+  SceneKind kind = SceneKind::kApart;
+  std::vector<int> loaded;  // indices into the pool's templates
+  std::vector<virtual_cell::PartLay> lays;
+  std::uint64_t scene_seed = 1;
+};
+
+// Ten scenes in a row have the same templates.
+ScenePlan plan_scene(const PartPool& pool, std::uint64_t seed, int k);
+
+}  // namespace beltpick::bench
