@@ -112,7 +112,7 @@ Result<Located> CaptureAndLocate::locate(std::uint16_t number) {
                                     .seed = number,
                                     .projector_mm = pipeline::projector_position_mm(calibration),
                                     .refused_grasps = to_.refused.copy(refused)};
-  const pipeline::LocateOutput found = locator_.locate(input, to_.hub.models(), settings_.gripper);
+  const pipeline::LocateOutput found = locator_.locate(input, to_.hub.models());
   const double locate_ms = locate_watch.elapsed_ms();
 
   const auto not_identified = withheld(found, objects.left_out);

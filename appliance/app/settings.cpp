@@ -111,11 +111,16 @@ void visit_settings(Settings& s, Visitor& visit) {
   visit.integer("service.requests_per_minute", s.service_requests_per_minute, 10, 10'000'000, "of one client");
   visit.integer("service.request_s", s.service_request_s, 1, 3600, "a request and its answer may take so long");
   visit.integer("service.idle_s", s.service_idle_s, 1, 3600, "a client that sends nothing for so long is cut off");
-  visit.table("gripper", "The room the gripper takes on its way in: parts without it are not offered");
+  visit.table("gripper",
+              "The room the gripper takes on its way in: parts without it are not offered; a template may have a "
+              "gripper of its own");
   visit.number("gripper.jaw_thickness_mm", s.gripper.jaw_thickness_mm, 0, 1000, "along the closing direction");
   visit.number("gripper.jaw_width_mm", s.gripper.jaw_width_mm, 0, 1000, "across it");
   visit.number("gripper.tip_mm", s.gripper.tip_mm, 0, 1000, "the tips reach beyond the grasp's origin by");
   visit.number("gripper.reach_mm", s.gripper.reach_mm, 0, 10000, "the way in is looked at so far behind the tips");
+  visit.number("gripper.jaw_depth_mm", s.gripper.jaw_depth_mm, 0, 10000, "from the palm to the tips");
+  visit.number("gripper.palm_length_mm", s.gripper.palm_length_mm, 0, 10000, "along the closing direction; 0: no palm");
+  visit.number("gripper.palm_width_mm", s.gripper.palm_width_mm, 0, 10000, "across it");
   visit.table("limits", "What memory is taken for at start, whatever is loaded; reaching one is a named result code");
   visit.integer("limits.image_width", s.limits.image_width, 16, 16384, "pixels of the camera");
   visit.integer("limits.image_height", s.limits.image_height, 16, 16384, "");

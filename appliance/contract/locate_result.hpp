@@ -28,6 +28,8 @@ struct LocatedPart {
   double free_space_share = 0.0;   // share of it that was seen to be empty
   double score = 0.0;              // 0..1
   double top_mm = 0.0;             // height of its highest point above the belt
+  double hidden_share = 0.0;       // of what lies inside the image, what something measured in front hides
+  Error not_offered{};             // why no grasp of it is offered; kOk where one is
   bool touches_neighbour = false;  // picking it may move another part: capture again after
   Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Zero();
 };

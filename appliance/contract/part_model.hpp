@@ -10,6 +10,7 @@
 #include "base/closest_point_tree.hpp"
 #include "base/pose.hpp"
 #include "base/stages.hpp"
+#include "contract/gripper.hpp"
 
 namespace beltpick {
 
@@ -58,6 +59,7 @@ struct PartModel {
 
   std::array<GraspPose, kMaxGrasps> grasps{};
   int grasp_count = 0;
+  GripperShape gripper;  // that picks it
 
   // The surface point nearest to a place in the part frame.
   [[nodiscard]] const OrientedPoint& nearest(const Vec3f& at_part_mm) const {

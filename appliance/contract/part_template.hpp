@@ -2,11 +2,13 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "base/pose.hpp"
 #include "base/stages.hpp"
+#include "contract/gripper.hpp"
 
 namespace beltpick {
 
@@ -36,7 +38,8 @@ struct PartTemplate {
   Vec3 box_max_mm = Vec3::Zero();
   std::vector<Primitive> primitives;  // best first: large, unique, leaving few freedoms
   Symmetry symmetry;
-  std::vector<Grasp> grasps;  // in order of preference
+  std::vector<Grasp> grasps;            // in order of preference
+  std::optional<GripperShape> gripper;  // that picks this part; none: the cell's
 };
 
 }  // namespace beltpick

@@ -1,5 +1,8 @@
 #include "contract_io/grasps_io.hpp"
 
+#include <algorithm>
+#include <array>
+
 #define TOML_EXCEPTIONS 1
 #include <toml++/toml.h>
 
@@ -42,6 +45,17 @@ Result<Grasp> read_grasp(const toml::table& table, const char* where) {
                *opening_mm};
 }
 
+Result<toml::table> read_table(const std::filesystem::path& path) {
+  const auto bytes = read_file(path);
+  if (!bytes) return std::unexpected(bytes.error());
+  try {
+    return toml::parse(*bytes);
+  } catch (const toml::parse_error& error) {
+    return failure(ResultCode::kFormatInvalid, "%s: line %u: %s", path.c_str(), error.source().begin.line,
+                   std::string(error.description()).c_str());
+  }
+}
+
 }  // namespace
 
 Pose<frame::Part, frame::Gripper> gripper_pose(const Vec3& position_mm, const Vec3& approach, const Vec3& closing) {
@@ -54,17 +68,10 @@ Pose<frame::Part, frame::Gripper> gripper_pose(const Vec3& position_mm, const Ve
 }
 
 Result<std::vector<Grasp>> read_grasps(const std::filesystem::path& path) {
-  const auto bytes = read_file(path);
-  if (!bytes) return std::unexpected(bytes.error());
-  toml::table root;
-  try {
-    root = toml::parse(*bytes);
-  } catch (const toml::parse_error& error) {
-    return failure(ResultCode::kFormatInvalid, "%s: line %u: %s", path.c_str(), error.source().begin.line,
-                   std::string(error.description()).c_str());
-  }
+  const auto root = read_table(path);
+  if (!root) return std::unexpected(root.error());
   std::vector<Grasp> grasps;
-  const toml::array* list = root["grasp"].as_array();
+  const toml::array* list = (*root)["grasp"].as_array();
   for (std::size_t i = 0; list != nullptr && i < list->size(); ++i) {
     const toml::table* table = (*list)[i].as_table();
     const std::string where = path.string() + ": grasp " + std::to_string(i + 1);
@@ -77,6 +84,56 @@ Result<std::vector<Grasp>> read_grasps(const std::filesystem::path& path) {
     return failure(ResultCode::kMemberMissing, "%s: expected at least one table [[grasp]], found none", path.c_str());
   }
   return grasps;
+}
+
+std::span<const GripperMember> gripper_members() {
+  static constexpr std::array kMembers{GripperMember{"jaw_thickness_mm", &GripperShape::jaw_thickness_mm},
+                                       GripperMember{"jaw_width_mm", &GripperShape::jaw_width_mm},
+                                       GripperMember{"jaw_depth_mm", &GripperShape::jaw_depth_mm},
+                                       GripperMember{"tip_mm", &GripperShape::tip_mm},
+                                       GripperMember{"palm_length_mm", &GripperShape::palm_length_mm},
+                                       GripperMember{"palm_width_mm", &GripperShape::palm_width_mm},
+                                       GripperMember{"reach_mm", &GripperShape::reach_mm}};
+  return kMembers;
+}
+
+const char* gripper_fault(const GripperShape& gripper) {
+  constexpr double kLargest_mm = 10'000;
+  for (const GripperMember& member : gripper_members()) {
+    const double value = gripper.*member.value;
+    if (!(value >= 0.0 && value <= kLargest_mm)) return "expected 0 to 10000 mm";
+  }
+  if (gripper.jaw_thickness_mm <= 0.0 || gripper.jaw_width_mm <= 0.0) {
+    return "jaw_thickness_mm, jaw_width_mm: expected more than 0 mm";
+  }
+  if (gripper.jaw_depth_mm <= gripper.tip_mm) return "jaw_depth_mm: expected more than tip_mm";
+  return nullptr;
+}
+
+Result<std::optional<GripperShape>> read_gripper(const std::filesystem::path& path) {
+  const auto root = read_table(path);
+  if (!root) return std::unexpected(root.error());
+  const toml::table* table = (*root)["gripper"].as_table();
+  if (table == nullptr) return std::nullopt;
+  GripperShape gripper;
+  const auto members = gripper_members();
+  for (const auto& [key, node] : *table) {
+    const auto member =
+        std::find_if(members.begin(), members.end(), [&](const GripperMember& m) { return key.str() == m.name; });
+    if (member == members.end()) {
+      return failure(ResultCode::kUsage, "%s: gripper: unknown key '%s'; check its spelling", path.c_str(),
+                     std::string(key.str()).c_str());
+    }
+    const auto value = node.value<double>();
+    if (!value) {
+      return failure(ResultCode::kFormatInvalid, "%s: gripper.%s: expected a number of mm", path.c_str(), member->name);
+    }
+    gripper.*(member->value) = *value;
+  }
+  if (const char* fault = gripper_fault(gripper)) {
+    return failure(ResultCode::kValueOutOfRange, "%s: gripper: %s", path.c_str(), fault);
+  }
+  return gripper;
 }
 
 }  // namespace beltpick::contract_io

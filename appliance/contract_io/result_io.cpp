@@ -32,6 +32,11 @@ Json part_json(const LocatedPart& part, const PartTemplate& taught, const Cell& 
                {"status", part.status == PoseStatus::kVerified ? "verified" : "ambiguous"}};
   append_poses("pose", part.T_camera_part, cell, json);
   json["grasp"] = grasp_json(part, taught, cell);
+  if (part.grasp_index < 0) {
+    json["not_offered"] = {{"stage", stage_name(Stage::kRank)},
+                           {"code", result_code_name(part.not_offered.code)},
+                           {"detail", part.not_offered.text()}};
+  }
   json["rms_mm"] = part.rms_mm;
   json["coverage"] = part.coverage;
   json["score"] = part.score;

@@ -7,6 +7,7 @@
 
 #include "contract/result_codes.hpp"
 #include "contract_io/file_io.hpp"
+#include "contract_io/grasps_io.hpp"
 #include "contract_io/template_judge.hpp"
 
 namespace beltpick::contract_io {
@@ -48,6 +49,20 @@ Json to_json(const Symmetry& s) {
           {"axis_direction", to_json(s.axis_direction)}};
 }
 
+Json to_json(const GripperShape& gripper) {
+  Json json = Json::object();
+  for (const GripperMember& member : gripper_members()) json[member.name] = gripper.*member.value;
+  return json;
+}
+
+GripperShape gripper_from(const Json& json) {
+  GripperShape gripper;
+  for (const GripperMember& member : gripper_members()) {
+    gripper.*member.value = json.value(member.name, gripper.*member.value);
+  }
+  return gripper;
+}
+
 Json header_of(const PartTemplate& part) {
   Json primitives = Json::array();
   for (const Primitive& primitive : part.primitives) primitives.push_back(to_json(primitive));
@@ -57,15 +72,17 @@ Json header_of(const PartTemplate& part) {
                       {"part_from_gripper", to_json(grasp.T_part_gripper.matrix())},
                       {"opening_mm", grasp.opening_mm}});
   }
-  return {{"format", "beltpick-template"},
-          {"version", kVersion},
-          {"points", part.point_mm.size()},
-          {"spacing_mm", part.spacing_mm},
-          {"box_min_mm", to_json(part.box_min_mm)},
-          {"box_max_mm", to_json(part.box_max_mm)},
-          {"primitives", primitives},
-          {"symmetry", to_json(part.symmetry)},
-          {"grasps", grasps}};
+  Json header = {{"format", "beltpick-template"},
+                 {"version", kVersion},
+                 {"points", part.point_mm.size()},
+                 {"spacing_mm", part.spacing_mm},
+                 {"box_min_mm", to_json(part.box_min_mm)},
+                 {"box_max_mm", to_json(part.box_max_mm)},
+                 {"primitives", primitives},
+                 {"symmetry", to_json(part.symmetry)},
+                 {"grasps", grasps}};
+  if (part.gripper) header["gripper"] = to_json(*part.gripper);
+  return header;
 }
 
 Vec3 vec3_from(const Json& json) {
@@ -123,6 +140,7 @@ PartTemplate part_from(const Json& json) {
                            Pose<frame::Part, frame::Gripper>::from_matrix(mat4_from(grasp.at("part_from_gripper"))),
                            grasp.at("opening_mm").get<double>()});
   }
+  if (json.contains("gripper")) part.gripper = gripper_from(json.at("gripper"));
   return part;
 }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "contract/result_codes.hpp"
+#include "contract_io/grasps_io.hpp"
 
 namespace beltpick::contract_io {
 namespace {
@@ -67,6 +68,7 @@ const char* fault_of(const PartTemplate& part) {
   };
   if (!each(part.primitives)) return "primitives: expected finite places, unit directions, radii of 0 or more";
   if (!each(part.grasps)) return "grasps: expected rigid poses in mm and openings of 0 or more";
+  if (part.gripper && gripper_fault(*part.gripper) != nullptr) return "gripper: expected sizes of jaws and palm in mm";
   const Symmetry& symmetry = part.symmetry;
   const bool turns = std::all_of(symmetry.elements.begin(), symmetry.elements.end(),
                                  [](const auto& element) { return rigid(element); });

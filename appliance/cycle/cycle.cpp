@@ -74,9 +74,7 @@ void Cycle::report_events(const CycleInputs& in) {
   }
   plan_.load(in.locate.parts, in.locate.withheld);
   status_.withheld = plan_.not_pickable();
-  status_.withheld_code = in.locate.withheld > 0 ? in.locate.withheld_code
-                          : status_.withheld > 0 ? ResultCode::kNoGrasp
-                                                 : ResultCode::kOk;
+  status_.withheld_code = in.locate.withheld > 0 ? in.locate.withheld_code : plan_.without_grasp_code();
   apply(plan_.next() >= 0 ? CycleEvent::kPartsFound : CycleEvent::kNothingPickable, ResultCode::kOk);
 }
 

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "contract/result_codes.hpp"
+
 namespace beltpick::cycle {
 
 void PickPlan::load(std::span<const LocatedPart> parts, int withheld) {
@@ -12,7 +14,10 @@ void PickPlan::load(std::span<const LocatedPart> parts, int withheld) {
     const bool pickable = parts[i].grasp_index >= 0;
     parts_[i] = pickable ? Part::kPickable : Part::kNone;
     touches_[i] = parts[i].touches_neighbour;
-    if (!pickable) ++without_grasp_;
+    if (!pickable && without_grasp_++ == 0) {
+      const ResultCode told = parts[i].not_offered.code;
+      without_grasp_code_ = told == ResultCode::kOk ? ResultCode::kNoGrasp : told;
+    }
   }
 }
 

@@ -28,6 +28,8 @@ class PickPlan {
   [[nodiscard]] int parts_left() const;
   // Objects of this view that cannot be picked: withheld, or without a reachable grasp.
   [[nodiscard]] int not_pickable() const { return withheld_ + without_grasp_; }
+  // Why the first part without a reachable grasp has none; kOk where all have one.
+  [[nodiscard]] ResultCode without_grasp_code() const { return without_grasp_code_; }
   // Something of this view may still be pickable after another look.
   [[nodiscard]] bool capture_again() const { return picked_ > 0 && (void_ > 0 || touched_ || not_pickable() > 0); }
 
@@ -42,6 +44,7 @@ class PickPlan {
   int count_ = 0;
   int withheld_ = 0;
   int without_grasp_ = 0;
+  ResultCode without_grasp_code_{};
   int picked_ = 0;
   int void_ = 0;
   bool touched_ = false;  // something picked touched its neighbour

@@ -4,13 +4,13 @@
 #include <cassert>
 #include <cmath>
 #include <limits>
-#include <numeric>
 
 #include "base/clock.hpp"
 #include "contract/result_codes.hpp"
 #include "pipeline/noise.hpp"
+#include "pipeline/pick_order.hpp"
+#include "pipeline/pose_hold.hpp"
 #include "result/contact.hpp"
-#include "result/grasp_choice.hpp"
 #include "result/rivalry.hpp"
 #include "result/verdict.hpp"
 
@@ -51,6 +51,7 @@ Locator::Locator(Arena& arena, const Limits& limits, int workers)
       ranked_(arena.take<LocatedPart>("locate: results", static_cast<std::size_t>(limits.parts))),
       part_candidates_(arena.take<Candidate>("locate: results", static_cast<std::size_t>(limits.parts))),
       order_(arena.take<std::size_t>("locate: results", static_cast<std::size_t>(limits.parts))),
+      neighbours_(arena.take<result::Neighbour>("locate: results", static_cast<std::size_t>(limits.parts))),
       withheld_(arena.take<WithheldObject>("locate: results", static_cast<std::size_t>(limits.segments))),
       attempt_ms_(arena.take<double>("locate: results", static_cast<std::size_t>(limits.segments))),
       object_ms_(arena.take<double>("locate: results", static_cast<std::size_t>(limits.segments))),
@@ -60,7 +61,7 @@ Locator::Locator(Arena& arena, const Limits& limits, int workers)
   team_ = std::make_unique<WorkerTeam>(arena.measuring() ? 1 : workers);
 }
 
-LocateOutput Locator::locate(const LocateInput& input, std::span<const PartModel> models, const GripperShape& gripper) {
+LocateOutput Locator::locate(const LocateInput& input, std::span<const PartModel> models) {
   shadows_.cast(input.range, input.projector_mm, input.belt);
   result::Scene scene{input.range, input.labels, input.lens, input.belt, input.projector_mm, &shadows_};
   scene.noise_mm = measurement_noise_mm(input.range, input.labels);
@@ -75,7 +76,7 @@ LocateOutput Locator::locate(const LocateInput& input, std::span<const PartModel
   }
   book_.next_round(scene, 0.0);
   const std::size_t withheld = book_.withheld(withheld_);
-  rank(scene, models, gripper);
+  rank(scene, models);
   return {ranked_.first(accepted_count_), withheld_.first(withheld), part_candidates_.first(accepted_count_),
           tried_.first(tried_count_), object_ms_.first(tried_count_)};
 }
@@ -167,22 +168,34 @@ bool Locator::taken(const result::Scene& scene, std::span<const PartModel> model
   return false;
 }
 
-void Locator::rank(const result::Scene& scene, std::span<const PartModel> models, const GripperShape& gripper) {
-  for (std::size_t i = 0; i < accepted_count_; ++i) parts_[i] = describe(scene, models, gripper, accepted_[i]);
+void Locator::rank(const result::Scene& scene, std::span<const PartModel> models) {
+  for (std::size_t i = 0; i < accepted_count_; ++i) parts_[i] = describe(scene, models, accepted_[i]);
+  for (std::size_t i = 0; i < accepted_count_; ++i) choose_grasp(scene, models, i);
   mark_contacts(models);
   const auto order = order_.first(accepted_count_);
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-    const bool grip_a = parts_[a].grasp_index >= 0;
-    const bool grip_b = parts_[b].grasp_index >= 0;
-    if (grip_a != grip_b) return grip_a;
-    if (parts_[a].top_mm != parts_[b].top_mm) return parts_[a].top_mm > parts_[b].top_mm;
-    return a < b;
-  });
+  order_picks(parts_.first(accepted_count_), order);
   for (std::size_t i = 0; i < accepted_count_; ++i) {
     part_candidates_[i] = accepted_[order[i]].candidate;
     ranked_[i] = parts_[order[i]];
   }
+}
+
+// A grasp may belong to another pose that looks the same: the part's symmetry then tells that one as well.
+void Locator::choose_grasp(const result::Scene& scene, std::span<const PartModel> models, std::size_t index) {
+  LocatedPart& part = parts_[index];
+  const PartModel& model = models[static_cast<std::size_t>(part.template_index)];
+  std::size_t others = 0;
+  for (std::size_t i = 0; i < accepted_count_; ++i) {
+    const Candidate& other = accepted_[i].candidate;
+    if (i != index)
+      neighbours_[others++] = {&models[static_cast<std::size_t>(other.model_index)], other.alignment.T_camera_part};
+  }
+  const auto choice =
+      result::choose_grasp(model, part.T_camera_part, {scene, neighbours_.first(others), refused_grasps_});
+  part.grasp_index = choice.index;
+  if (choice.index < 0) part.not_offered = result::no_grasp_reason(choice, model.grasp_count);
+  part.covariance = covariance_of_equivalent(choice.T_camera_part, part.T_camera_part, model, part.covariance);
+  part.T_camera_part = choice.T_camera_part;
 }
 
 // Contact is mutual: when either is picked, the pose of the other is no longer known.
@@ -199,8 +212,7 @@ void Locator::mark_contacts(std::span<const PartModel> models) {
   }
 }
 
-LocatedPart Locator::describe(const result::Scene& scene, std::span<const PartModel> models,
-                              const GripperShape& gripper, const Accepted& accepted) {
+LocatedPart Locator::describe(const result::Scene& scene, std::span<const PartModel> models, const Accepted& accepted) {
   const Candidate& candidate = accepted.candidate;
   const PartModel& model = models[static_cast<std::size_t>(candidate.model_index)];
   LocatedPart part;
@@ -208,10 +220,10 @@ LocatedPart Locator::describe(const result::Scene& scene, std::span<const PartMo
   part.segment = accepted.segment;
   part.status = model.symmetric() ? PoseStatus::kAmbiguous : PoseStatus::kVerified;
   part.T_camera_part = candidate.alignment.T_camera_part;
-  part.grasp_index = result::choose_grasp(model, part.T_camera_part, scene, gripper, refused_grasps_).index;
   part.rms_mm = candidate.evidence.rms_mm;
   part.coverage = candidate.evidence.coverage;
   part.free_space_share = candidate.evidence.violated;
+  part.hidden_share = candidate.evidence.occluded;
   part.score = result::score(candidate.evidence);
   part.covariance = candidate.alignment.covariance;
   part.touches_neighbour = touches_neighbour(scene, model, part.T_camera_part);

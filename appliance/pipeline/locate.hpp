@@ -8,13 +8,13 @@
 
 #include "base/arena.hpp"
 #include "contract/calibration.hpp"
-#include "contract/gripper.hpp"
 #include "contract/limits.hpp"
 #include "contract/locate_result.hpp"
 #include "pipeline/model_store.hpp"
 #include "pipeline/object_book.hpp"
 #include "pipeline/pose_finder.hpp"
 #include "pipeline/worker_team.hpp"
+#include "result/grasp_choice.hpp"
 
 namespace beltpick::pipeline {
 
@@ -46,7 +46,7 @@ class Locator {
   // Finds every part of the loaded models, in rounds: what a found part explains is taken away, and what is left is
   // searched again, in ObjectBook's order.
   // Allocates nothing; the same bits for any number of workers.
-  LocateOutput locate(const LocateInput& input, std::span<const PartModel> models, const GripperShape& gripper = {});
+  LocateOutput locate(const LocateInput& input, std::span<const PartModel> models);
 
   // Whom to tell every step of the search; null: nobody. Only for a locator of one worker.
   void set_trace(Trace* trace);
@@ -64,10 +64,10 @@ class Locator {
   void claim_ambiguous(const result::Scene& scene, std::span<const PartModel> models, std::span<const Object> objects);
   [[nodiscard]] bool taken(const result::Scene& scene, std::span<const PartModel> models,
                            const Candidate& candidate) const;
-  void rank(const result::Scene& scene, std::span<const PartModel> models, const GripperShape& gripper);
+  void rank(const result::Scene& scene, std::span<const PartModel> models);
+  void choose_grasp(const result::Scene& scene, std::span<const PartModel> models, std::size_t index);
   void mark_contacts(std::span<const PartModel> models);
-  LocatedPart describe(const result::Scene& scene, std::span<const PartModel> models, const GripperShape& gripper,
-                       const Accepted& accepted);
+  LocatedPart describe(const result::Scene& scene, std::span<const PartModel> models, const Accepted& accepted);
   [[nodiscard]] bool touches_neighbour(const result::Scene& scene, const PartModel& model,
                                        const result::PartPose& T_camera_part) const;
 
@@ -83,6 +83,7 @@ class Locator {
   std::span<LocatedPart> parts_, ranked_;
   std::span<Candidate> part_candidates_;
   std::span<std::size_t> order_;
+  std::span<result::Neighbour> neighbours_;  // of one part: the others
   std::span<WithheldObject> withheld_;
   std::size_t withheld_count_ = 0;
   std::span<double> attempt_ms_;  // by task of the round

@@ -103,10 +103,11 @@ void ModelStore::fill(const PartTemplate& part, const GripperShape& gripper, Slo
   model.primitive_count = static_cast<int>(std::min<std::size_t>(part.primitives.size(), PartModel::kMaxPrimitives));
   std::copy_n(part.primitives.begin(), model.primitive_count, model.primitives.begin());
   copy_symmetry(part.symmetry, model);
+  model.gripper = part.gripper.value_or(gripper);
   model.grasp_count = static_cast<int>(part.grasps.size());
   for (std::size_t i = 0; i < part.grasps.size(); ++i) {
     GraspPose grasp{part.grasps[i].T_part_gripper, part.grasps[i].opening_mm, true};
-    grasp.clear_of_part = result::clear_of_part(grasp, model.surface, gripper);
+    grasp.clear_of_part = result::clear_of_part(grasp, model.surface, model.gripper);
     model.grasps[i] = grasp;
   }
 }

@@ -13,7 +13,6 @@ Pipeline::Pipeline(Arena& arena, const Limits& limits, int workers)
       locator_(arena, limits, workers) {}
 
 Result<void> Pipeline::load(std::span<const PartTemplate> templates, const GripperShape& gripper) {
-  gripper_ = gripper;
   return store_.load(templates, gripper);
 }
 
@@ -33,7 +32,7 @@ Result<Located> Pipeline::locate(const View& view) {
       view.projector_mm ? view.projector_mm : light_finder_.find(view.range, view.lens, located.objects.belt);
   located.found = locator_.locate({view.range, located.objects.labels, located.objects.segments, located.objects.belt,
                                    view.lens, view.seed, light_mm},
-                                  store_.models(), gripper_);
+                                  store_.models());
   located.locate_ms = locating.elapsed_ms();
   return located;
 }

@@ -73,7 +73,6 @@ class Pipeline {
 
  private:
   Limits limits_;
-  GripperShape gripper_;
   ModelStore store_;
   segment::Segmenter segmenter_;
   LightFinder light_finder_;

@@ -53,6 +53,14 @@ std::optional<Motion> loosest_freedom(const Alignment& alignment, const PartMode
   return scale.cwiseProduct(freedoms.eigenvectors().col(5));
 }
 
+Mat6 covariance_of_equivalent(const result::PartPose& other, const result::PartPose& pose, const PartModel& model,
+                              const Mat6& covariance) {
+  const Vec3 arm = other * model.centre_mm - pose * model.centre_mm;
+  Mat6 about_other = Mat6::Identity();
+  about_other.bottomLeftCorner<3, 3>() << 0.0, arm.z(), -arm.y(), -arm.z(), 0.0, arm.x(), arm.y(), -arm.x(), 0.0;
+  return about_other * covariance * about_other.transpose();
+}
+
 result::PartPose moved(const result::PartPose& T_camera_part, const Motion& motion, const PartModel& model) {
   const Vec3 turn = motion.head<3>();
   const double angle = turn.norm();

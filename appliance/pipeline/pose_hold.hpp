@@ -21,6 +21,11 @@ bool determined(const Alignment& alignment, const PartModel& model);
 // symmetry makes no difference of do not count. Nothing where all are held firmly.
 std::optional<Motion> loosest_freedom(const Alignment& alignment, const PartModel& model);
 
+// The covariance of `other`, a pose that looks the same, from that of `pose`: it counts motions about another centre.
+Eigen::Matrix<double, 6, 6> covariance_of_equivalent(const result::PartPose& other, const result::PartPose& pose,
+                                                     const PartModel& model,
+                                                     const Eigen::Matrix<double, 6, 6>& covariance);
+
 // The pose after the motion.
 result::PartPose moved(const result::PartPose& T_camera_part, const Motion& motion, const PartModel& model);
 

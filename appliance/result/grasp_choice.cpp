@@ -1,38 +1,23 @@
 #include "result/grasp_choice.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "contract/lens_project.hpp"
+#include "contract/result_codes.hpp"
+#include "result/equivalents.hpp"
+#include "result/gripper_volume.hpp"
 
 namespace beltpick::result {
 namespace {
 
-// Kept free round the jaws: the pose, the robot and the measurement are not exact.
+// Kept free round the gripper: the pose, the robot and the measurement are not exact.
 constexpr double kClearance_mm = 1.0;
 // A stray pixel at a depth edge obstructs nothing; this much surface does.
 constexpr double kObstacleArea_mm2 = 3.0;
 constexpr double kLeastDescent = 0.5;  // cosine of 60 degrees
 
-// The jaws as one frame-aligned test in the gripper's frame.
-struct JawVolume {
-  double inner_mm, outer_mm, half_width_mm, length_mm, tip_mm;
-
-  JawVolume(const GraspPose& grasp, const GripperShape& gripper, double clearance_mm)
-      : inner_mm(0.5 * grasp.opening_mm - clearance_mm),
-        outer_mm(0.5 * grasp.opening_mm + gripper.jaw_thickness_mm + clearance_mm),
-        half_width_mm(0.5 * gripper.jaw_width_mm + clearance_mm),
-        length_mm(gripper.reach_mm),
-        tip_mm(gripper.tip_mm + clearance_mm) {}
-
-  [[nodiscard]] bool holds(const Vec3& at) const {
-    const double x = std::abs(at.x());
-    return x > inner_mm && x < outer_mm && std::abs(at.y()) < half_width_mm && at.z() > -length_mm && at.z() < tip_mm;
-  }
-};
-
-struct Box {
+struct PixelBox {
   int row_min = 1 << 30, row_max = -1, col_min = 1 << 30, col_max = -1;
 
   void add(const PixelPosition& at) {
@@ -43,38 +28,46 @@ struct Box {
   }
 };
 
-std::array<Vec3, 8> corners(const GripperPose& T_camera_gripper, const JawVolume& jaws) {
-  std::array<Vec3, 8> at;
-  for (std::size_t i = 0; i < at.size(); ++i) {
-    at[i] = T_camera_gripper * Vec3((i & 1U) != 0 ? jaws.outer_mm : -jaws.outer_mm,
-                                    (i & 2U) != 0 ? jaws.half_width_mm : -jaws.half_width_mm,
-                                    (i & 4U) != 0 ? jaws.tip_mm : -jaws.length_mm);
-  }
-  return at;
-}
-
-double obstacle_area_mm2(const GripperPose& T_camera_gripper, const JawVolume& jaws, const Scene& scene) {
-  Box box;
-  for (const Vec3& corner : corners(T_camera_gripper, jaws)) {
-    if (in_field(scene.lens, corner)) box.add(project(scene.lens, corner));
+bool obstructed(const GripperPose& T_camera_gripper, const GripperVolume& gripper, const Scene& scene) {
+  PixelBox box;
+  for (const Vec3& corner : gripper.corners()) {
+    const Vec3 at = T_camera_gripper * corner;
+    if (in_field(scene.lens, at)) box.add(project(scene.lens, at));
   }
   const auto T_gripper_camera = T_camera_gripper.inverse();
+  const Eigen::Matrix3f rotation = T_gripper_camera.rotation.cast<float>();
+  const Vec3f translation = T_gripper_camera.translation_mm.cast<float>();
   const auto& points = scene.range.point_mm;
   double area = 0.0;
   for (int row = std::max(0, box.row_min); row <= std::min(points.rows - 1, box.row_max); ++row) {
     for (int col = std::max(0, box.col_min); col <= std::min(points.cols - 1, box.col_max); ++col) {
       if (!scene.range.valid(row, col)) continue;
-      const Vec3 point = points(row, col).cast<double>();
-      if (jaws.holds(T_gripper_camera * point)) area += point.z() * point.z() / (scene.lens.fx_px * scene.lens.fy_px);
+      const Vec3f& point = points(row, col);
+      if (!gripper.holds(rotation * point + translation)) continue;
+      area += point.z() * point.z() / (scene.lens.fx_px * scene.lens.fy_px);
+      if (area >= kObstacleArea_mm2) return true;
     }
   }
-  return area;
+  return false;
 }
 
-bool meets_belt(const GripperPose& T_camera_gripper, const JawVolume& jaws, const Scene& scene) {
+bool meets_belt(const GripperPose& T_camera_gripper, const GripperVolume& gripper, const Scene& scene) {
   if (!scene.belt) return false;
-  const auto at = corners(T_camera_gripper, jaws);
-  return std::any_of(at.begin(), at.end(), [&](const Vec3& corner) { return scene.belt->height_mm(corner) < 0.0; });
+  const auto at = gripper.corners();
+  return std::any_of(at.begin(), at.end(),
+                     [&](const Vec3& corner) { return scene.belt->height_mm(T_camera_gripper * corner) < 0.0; });
+}
+
+bool meets_neighbour(const GripperPose& T_camera_gripper, const GripperVolume& gripper, const Neighbour& neighbour) {
+  const PartModel& model = *neighbour.model;
+  const auto T_gripper_part = T_camera_gripper.inverse() * neighbour.T_camera_part;
+  const double away_mm = gripper.distance_mm(T_gripper_part * model.centre_mm);
+  if (away_mm > 0.5 * model.diagonal_mm) return false;
+  const Eigen::Matrix3f rotation = T_gripper_part.rotation.cast<float>();
+  const Vec3f translation = T_gripper_part.translation_mm.cast<float>();
+  return std::any_of(model.surface.begin(), model.surface.end(), [&](const OrientedPoint& point) {
+    return gripper.holds(rotation * point.point_mm + translation);
+  });
 }
 
 // A part that was touched in vain has moved a little, but the same grasp would fail again.
@@ -90,36 +83,62 @@ bool was_refused(const GripperPose& T_camera_gripper, std::span<const GripperPos
 }  // namespace
 
 bool clear_of_part(const GraspPose& grasp, std::span<const OrientedPoint> surface, const GripperShape& gripper) {
-  const JawVolume jaws(grasp, gripper, 0.0);
+  const GripperVolume volume(gripper, grasp.opening_mm, 0.0);
   const auto T_gripper_part = grasp.T_part_gripper.inverse();
   return std::none_of(surface.begin(), surface.end(), [&](const OrientedPoint& point) {
-    return jaws.holds(T_gripper_part * point.point_mm.cast<double>());
+    return volume.holds((T_gripper_part * point.point_mm.cast<double>()).cast<float>());
   });
 }
 
-Reach reach(const GraspPose& grasp, const PartPose& T_camera_part, const Scene& scene, const GripperShape& gripper) {
+Reach reach(const PartModel& model, const GraspPose& grasp, const PartPose& T_camera_part, const Surroundings& around) {
+  const Scene& scene = around.scene;
   const GripperPose T_camera_gripper = T_camera_part * grasp.T_part_gripper;
   const Vec3 up = scene.belt ? scene.belt->normal : Vec3(-T_camera_part.translation_mm.normalized());
   if (-T_camera_gripper.rotation.col(2).dot(up) < kLeastDescent) return Reach::kFromBelow;
-  const JawVolume jaws(grasp, gripper, kClearance_mm);
-  if (meets_belt(T_camera_gripper, jaws, scene)) return Reach::kFromBelow;
-  return obstacle_area_mm2(T_camera_gripper, jaws, scene) < kObstacleArea_mm2 ? Reach::kReachable : Reach::kObstructed;
+  if (!grasp.clear_of_part) return Reach::kMeetsPart;
+  const GripperVolume gripper(model.gripper, grasp.opening_mm, kClearance_mm);
+  if (meets_belt(T_camera_gripper, gripper, scene)) return Reach::kMeetsBelt;
+  if (was_refused(T_camera_gripper, around.refused)) return Reach::kRefused;
+  if (obstructed(T_camera_gripper, gripper, scene)) return Reach::kObstructed;
+  const bool hidden = std::any_of(around.neighbours.begin(), around.neighbours.end(), [&](const Neighbour& neighbour) {
+    return meets_neighbour(T_camera_gripper, gripper, neighbour);
+  });
+  return hidden ? Reach::kNeighbour : Reach::kReachable;
 }
 
-GraspChoice choose_grasp(const PartModel& model, const PartPose& T_camera_part, const Scene& scene,
-                         const GripperShape& gripper, std::span<const GripperPose> refused) {
+GraspChoice choose_grasp(const PartModel& model, const PartPose& T_camera_part, const Surroundings& around) {
   GraspChoice choice;
-  for (int i = 0; i < model.grasp_count; ++i) {
-    const GraspPose& grasp = model.grasps[static_cast<std::size_t>(i)];
-    if (!grasp.clear_of_part) continue;
-    const Reach found = reach(grasp, T_camera_part, scene, gripper);
-    if (found == Reach::kReachable && !was_refused(T_camera_part * grasp.T_part_gripper, refused)) {
-      choice.index = i;
-      return choice;
+  choice.T_camera_part = T_camera_part;
+  const std::span grasps(model.grasps.data(), static_cast<std::size_t>(model.grasp_count));
+  bool asked_for = true;
+  any_equivalent(model, T_camera_part, [&](const PartPose& pose) {
+    for (std::size_t i = 0; i < grasps.size(); ++i) {
+      const Reach found = reach(model, grasps[i], pose, around);
+      if (asked_for) ++choice.findings[static_cast<std::size_t>(found)];
+      if (found != Reach::kReachable) continue;
+      choice.index = static_cast<int>(i);
+      choice.T_camera_part = pose;
+      return true;
     }
-    choice.any_obstructed = choice.any_obstructed || found != Reach::kFromBelow;
-  }
+    asked_for = false;
+    return false;
+  });
   return choice;
+}
+
+Error no_grasp_reason(const GraspChoice& choice, int grasp_count) {
+  if (grasp_count == 0) {
+    return failure(ResultCode::kNoGrasp, "the template has no grasp; teach it with --grasps").error();
+  }
+  const int beside = choice.count(Reach::kObstructed) + choice.count(Reach::kNeighbour);
+  const bool comes_free = beside > 0;
+  return failure(comes_free ? ResultCode::kObstructed : ResultCode::kNoGrasp,
+                 "of %d grasps none can be reached: %d from below or too flat, %d would meet the belt, %d the part "
+                 "itself, %d what lies beside it, %d failed before; %s",
+                 grasp_count, choice.count(Reach::kFromBelow), choice.count(Reach::kMeetsBelt),
+                 choice.count(Reach::kMeetsPart), beside, choice.count(Reach::kRefused),
+                 comes_free ? "it comes free when its neighbour is picked" : "teach further grasps")
+      .error();
 }
 
 }  // namespace beltpick::result

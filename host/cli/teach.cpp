@@ -86,8 +86,13 @@ Result<void> run(const TeachCommand& command, Session& session) {
   progress.show(1);
   const teach::TeachOptions options{.points = static_cast<std::size_t>(command.points),
                                     .mm_per_unit = teach::mm_per_unit(command.units)};
-  const auto taught = teach::teach(std::move(*mesh), std::move(*grasps), options);
+  auto taught = teach::teach(std::move(*mesh), std::move(*grasps), options);
   if (!taught) return failure(taught.error().code, "%s: %s", command.mesh.c_str(), taught.error().detail);
+  if (!command.grasps.empty()) {
+    const auto gripper = contract_io::read_gripper(command.grasps);
+    if (!gripper) return std::unexpected(gripper.error());
+    taught->part.gripper = *gripper;
+  }
   progress.show(2);
   if (auto written = contract_io::write_template(command.out, taught->part); !written) return written;
   if (!command.report.empty()) {

@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include "contract/result_codes.hpp"
 #include "cycle/pick_plan.hpp"
 
 using namespace beltpick;
@@ -73,4 +74,14 @@ TEST_CASE("more parts than the plan holds count as withheld", "[plan]") {
   plan.load(view, 1);
   CHECK(plan.parts_left() == PickPlan::kMaxParts);
   CHECK(plan.not_pickable() == 6);
+}
+
+TEST_CASE("why the first part without a grasp has none is passed on", "[plan]") {
+  PickPlan plan;
+  auto view = parts({{0, false}, {-1, false}, {-1, false}});
+  view[1].not_offered = failure(ResultCode::kObstructed, "a neighbour").error();
+  plan.load(view, 0);
+  CHECK(plan.without_grasp_code() == ResultCode::kObstructed);
+  plan.load(parts({{0, false}}), 0);
+  CHECK(plan.without_grasp_code() == ResultCode::kOk);
 }

@@ -4,7 +4,6 @@
 
 #include "base/units.hpp"
 #include "contract/result_codes.hpp"
-#include "result/grasp_choice.hpp"
 #include "result/rivalry.hpp"
 #include "result/verdict.hpp"
 #include "support/scenes/models.hpp"
@@ -134,57 +133,4 @@ TEST_CASE("of two poses the picture prefers the true one, and cannot choose betw
   const auto tie = result::compare(truth, equal, bench.scene(), all, 1);
   CHECK(tie.same_object());
   CHECK_FALSE(result::prevails(tie));
-}
-
-TEST_CASE("a grasp is reachable from above, not from below, and not through an obstacle") {
-  const Shape part_shape = block();
-  const Shape obstacle = pin();
-  const LoadedPart part(part_shape), other(obstacle);
-  const auto truth = on_belt(part_shape, part.part, Mat3::Identity(), 0.0, 0.0);
-  // Gripper z down into the block, closing across its 50 mm.
-  GraspPose grasp;
-  grasp.T_part_gripper.rotation.col(2) = -Vec3::UnitZ();
-  grasp.T_part_gripper.rotation.col(0) = Vec3::UnitY();
-  grasp.T_part_gripper.rotation.col(1) = (-Vec3::UnitZ()).cross(Vec3::UnitY());
-  grasp.T_part_gripper.translation_mm = {0.0, 0.0, 5.0};
-  grasp.opening_mm = 58.0;
-  CHECK(result::clear_of_part(grasp, part.model().surface, {}));
-
-  const auto scene_of = [](SceneImage& image) {
-    result::Scene scene;
-    scene.range = image.range();
-    scene.labels = image.labels();
-    scene.lens = image.lens;
-    scene.belt = image.belt;
-    return scene;
-  };
-  SceneImage alone = render({{&part_shape, truth}});
-  CHECK(result::reach(grasp, truth, scene_of(alone), {}) == result::Reach::kReachable);
-
-  // The same grasp is not chosen again where a pick failed with it; turned about, it is another one.
-  PartModel model = part.model();
-  GraspPose turned = grasp;
-  turned.T_part_gripper.rotation.col(0) *= -1.0;
-  turned.T_part_gripper.rotation.col(1) *= -1.0;
-  model.grasps[0] = grasp;
-  model.grasps[1] = turned;
-  model.grasp_count = 2;
-  const result::GripperPose failed = truth * grasp.T_part_gripper;
-  CHECK(result::choose_grasp(model, truth, scene_of(alone), {}).index == 0);
-  CHECK(result::choose_grasp(model, truth, scene_of(alone), {}, {&failed, 1}).index == 1);
-  model.grasp_count = 1;
-  CHECK(result::choose_grasp(model, truth, scene_of(alone), {}, {&failed, 1}).index == -1);
-
-  const Mat3 lying = Eigen::AngleAxisd(kPi / 2, Vec3::UnitY()).toRotationMatrix();
-  SceneImage crowded = render({{&part_shape, truth}, {&obstacle, on_belt(obstacle, other.part, lying, 0.0, 40.0)}});
-  CHECK(result::reach(grasp, truth, scene_of(crowded), {}) == result::Reach::kObstructed);
-
-  GraspPose below = grasp;
-  below.T_part_gripper.rotation =
-      Eigen::AngleAxisd(kPi, Vec3::UnitX()).toRotationMatrix() * grasp.T_part_gripper.rotation;
-  CHECK(result::reach(below, truth, scene_of(alone), {}) == result::Reach::kFromBelow);
-
-  GraspPose narrow = grasp;
-  narrow.opening_mm = 40.0;
-  CHECK_FALSE(result::clear_of_part(narrow, part.model().surface, {}));
 }
