@@ -5,6 +5,7 @@
 #include <cstdio>
 
 #include "base/camera_noise.hpp"
+#include "calibrate/triangulate.hpp"
 #include "contract/lens_project.hpp"
 #include "contract/result_codes.hpp"
 #include "decode/plan.hpp"
@@ -17,32 +18,14 @@ namespace {
 // A matt surface at the default exposure, an ordinary one, a dark or steep one.
 constexpr std::array<double, 3> kModulations{85.0, 60.0, 20.0};
 constexpr double kMeanOverModulation = 1.1;
-constexpr double kNearestMm = 50.0, kFarthestMm = 10000.0;
-
-// The direction (z = 1) that the lens shows at a pixel: the inverse of project() by fixed-point steps.
-Vec3 ray_through(const Lens& lens, double column_px, double row_px) {
-  Vec3 ray((column_px - lens.cx_px) / lens.fx_px, (row_px - lens.cy_px) / lens.fy_px, 1.0);
-  for (int step = 0; step < 50; ++step) {
-    const PixelPosition seen = project(lens, ray);
-    ray.x() += (column_px - seen.column_px) / lens.fx_px;
-    ray.y() += (row_px - seen.row_px) / lens.fy_px;
-  }
-  return ray;
-}
-
-Vec3 middle_ray(const Calibration& calibration) {
-  const Lens& camera = calibration.camera;
-  return ray_through(camera, 0.5 * (camera.width - 1), 0.5 * (camera.height - 1));
-}
 
 double coordinate(const PixelPosition& position, Axis axis) {
   return axis == Axis::kColumn ? position.column_px : position.row_px;
 }
 
 double depth_per_px(const WorkingPoint& at, Axis axis) {
-  const Vec3 ray = middle_ray(at.calibration);
   const auto code_at = [&](double z_mm) {
-    return coordinate(project(at.calibration.projector, at.calibration.T_projector_camera * Vec3(z_mm * ray)), axis);
+    return coordinate(project(at.calibration.projector, at.calibration.T_projector_camera * Vec3(z_mm * at.ray)), axis);
   };
   const double step_mm = 1e-3 * at.distance_mm;
   const double px = std::abs(code_at(at.distance_mm + step_mm) - code_at(at.distance_mm - step_mm));
@@ -61,6 +44,15 @@ void resize(Lens& lens, const ProjectorGrid& projector) {
   lens.height = projector.height;
 }
 
+Result<WorkingPoint> on_middle_ray(const Calibration& calibration, double distance_mm) {
+  const Lens& camera = calibration.camera;
+  const auto ray = calibrate::ray_of(camera, {0.5 * (camera.width - 1), 0.5 * (camera.height - 1)});
+  if (ray) return WorkingPoint{calibration, distance_mm, *ray};
+  return failure(ResultCode::kValueOutOfRange,
+                 "calibration: the camera's distortion folds over before the middle of its image; expected a lens that "
+                 "sees it; calibrate again");
+}
+
 const char* name_of(Axis axis) { return axis == Axis::kColumn ? "column" : "row"; }
 
 }  // namespace
@@ -76,32 +68,19 @@ Result<WorkingPoint> default_working_point(const ProjectorGrid& projector) {
   options.layout = projector.layout;
   const auto rig = virtual_cell::make_rig(options);
   if (!rig) return std::unexpected(rig.error());
-  WorkingPoint at{virtual_cell::calibrate_rig(*rig).calibration, options.camera_distance_mm};
-  resize(at.calibration.projector, projector);
-  return at;
+  Calibration calibration = virtual_cell::calibrate_rig(*rig).calibration;
+  resize(calibration.projector, projector);
+  return on_middle_ray(calibration, options.camera_distance_mm);
 }
 
 Result<WorkingPoint> working_point(const Calibration& calibration, double distance_mm) {
-  WorkingPoint found{calibration, distance_mm};
-  if (distance_mm > 0.0) return found;
-  const Lens& projector = calibration.projector;
-  const Vec3 ray = middle_ray(calibration);
-  double least = 0.5;  // of the projector's image
-  for (double z_mm = kNearestMm; z_mm < kFarthestMm; z_mm *= 1.005) {
-    const Vec3 lit = calibration.T_projector_camera * Vec3(z_mm * ray);
-    if (!in_field(projector, lit)) continue;
-    const PixelPosition at = project(projector, lit);
-    const double off =
-        std::max(std::abs(at.column_px / projector.width - 0.5), std::abs(at.row_px / projector.height - 0.5));
-    if (off >= least) continue;
-    least = off;
-    found.distance_mm = z_mm;
+  const auto crossing_mm = calibrate::crossing_depth_mm(calibration);
+  if (distance_mm > 0.0 || crossing_mm) {
+    return on_middle_ray(calibration, distance_mm > 0.0 ? distance_mm : *crossing_mm);
   }
-  if (found.distance_mm > 0.0) return found;
   return failure(ResultCode::kValueOutOfRange,
-                 "calibration: the middle of the camera's image never meets the projector's light between %.0f and "
-                 "%.0f mm; give --distance-mm",
-                 kNearestMm, kFarthestMm);
+                 "calibration: the middle of the camera's image never meets the middle of the projector's light in "
+                 "front of them; give --distance-mm");
 }
 
 Result<SequenceForecast> forecast(const Sequence& sequence, const FrameTiming& timing, double load_us,

@@ -26,12 +26,13 @@ struct FrameTiming {
 struct WorkingPoint {
   Calibration calibration;
   double distance_mm = 0.0;
+  Vec3 ray = Vec3::UnitZ();  // direction of that ray, z = 1, camera frame
 };
 
 // The default rig (see the design) with this projector, at the belt. Error: kValueOutOfRange.
 Result<WorkingPoint> default_working_point(const ProjectorGrid& projector);
-// With a calibration, where that ray crosses the middle of the projector's light, unless `distance_mm` > 0 tells where.
-// Error: kValueOutOfRange where it never does.
+// With a calibration, where that ray comes nearest to the middle of the projector's light, unless `distance_mm` > 0
+// tells where. Error: kValueOutOfRange where that lies nowhere in front of both.
 Result<WorkingPoint> working_point(const Calibration& calibration, double distance_mm);
 
 struct AxisForecast {
