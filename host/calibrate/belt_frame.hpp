@@ -5,12 +5,12 @@
 
 #include "base/result.hpp"
 #include "base/stages.hpp"
+#include "calibrate/plate_position.hpp"
 #include "contract/calibration.hpp"
 
 namespace beltpick::calibrate {
 
 using BeltPose = Pose<frame::Belt, frame::Camera>;
-using PlatePosition = Pose<frame::Camera, frame::Part>;  // frame::Part is the plate: z into it
 
 struct BeltPlane {
   Plane plane;              // normal towards the camera

@@ -7,13 +7,11 @@
 
 #include <Eigen/Core>
 
-#include "base/pose.hpp"
 #include "calibrate/observations.hpp"
+#include "calibrate/plate_position.hpp"
 #include "contract/calibration.hpp"
 
 namespace beltpick::calibrate {
-
-using PlatePosition = Pose<frame::Camera, frame::Part>;  // frame::Part is the plate
 
 // What is refined. Poses as many as the observations have; those not used keep theirs.
 struct BundleState {

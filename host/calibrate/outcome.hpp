@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "base/pose.hpp"
 #include "calibrate/observations.hpp"
+#include "calibrate/plate_position.hpp"
 #include "contract/calibration.hpp"
 
 namespace beltpick::calibrate {
@@ -26,8 +26,8 @@ struct CornerOutcome {
 struct PoseOutcome {
   std::string capture;
   bool used = true;
-  std::string reason;                                  // where not
-  Pose<frame::Camera, frame::Part> T_camera_plate;     // frame::Part is the plate: z into it
+  std::string reason;  // where not
+  PlatePosition T_camera_plate;
   double distance_mm = 0.0;                            // of its middle along the camera's axis
   double tilt_x_deg = 0.0, tilt_y_deg = 0.0;           // of its normal: up or down (about the image's x), left or right
   double camera_rms_px = 0.0, projector_rms_px = 0.0;  // of used corners, 2-D as OpenCV counts

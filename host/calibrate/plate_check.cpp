@@ -219,7 +219,7 @@ Result<PlateCheck> check_plate(const Calibration& calibration, std::span<const S
   if (!(off_mm < kAnotherPlate * diagonal)) return not_this_plate(off_mm);
   check.size_error_mm = (fit.scale - 1.0) * diagonal;
 
-  const Pose<frame::Camera, frame::Part> start{fit.rotation, fit.translation_mm};
+  const PlatePosition start{fit.rotation, fit.translation_mm};
   const auto camera_alone = fit_plate_pose(calibration, kept, Views::kCamera, start);
   const auto both = fit_plate_pose(calibration, kept, Views::kBoth, start);
   if (!camera_alone || !both) return not_this_plate(off_mm);

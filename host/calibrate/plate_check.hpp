@@ -39,8 +39,8 @@ struct CheckedFigure {
 struct PlateCheck {
   std::vector<MeasuredCorner> corners;
   std::vector<CheckedFigure> figures;
-  Pose<frame::Camera, frame::Part> T_camera_plate;  // where both views see the plate
-  double size_error_mm = 0.0;                       // measured - true, over the diagonal of what is seen; signed
+  PlatePosition T_camera_plate;    // where both views see the plate
+  double size_error_mm = 0.0;      // measured - true, over the diagonal of what is seen; signed
   double distance_error_mm = 0.0;  // of the plate from the camera, measured - what its size in the image says; signed
   double distance_mm = 0.0;        // of its middle
   double tilt_deg = 0.0;           // against the camera's image

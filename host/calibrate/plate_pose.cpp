@@ -6,7 +6,6 @@
 namespace beltpick::calibrate {
 namespace {
 
-using PosePlate = Pose<frame::Camera, frame::Part>;
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 
 constexpr int kMaxSteps = 50;
@@ -15,15 +14,15 @@ constexpr double kStep_mm = 1e-4;
 constexpr double kConverged = 1e-10;
 
 // A small turn about the plate's middle and a shift, after `pose`.
-PosePlate moved(const PosePlate& pose, const Vector6& step) {
+PlatePosition moved(const PlatePosition& pose, const Vector6& step) {
   const Vec3 turn = step.head<3>();
-  PosePlate result = pose;
+  PlatePosition result = pose;
   if (turn.norm() > 0.0) result.rotation = Eigen::AngleAxisd(turn.norm(), turn.normalized()) * pose.rotation;
   result.translation_mm += step.tail<3>();
   return result;
 }
 
-bool in_front(const Calibration& calibration, std::span<const SeenCorner> corners, const PosePlate& pose) {
+bool in_front(const Calibration& calibration, std::span<const SeenCorner> corners, const PlatePosition& pose) {
   for (const SeenCorner& corner : corners) {
     const Vec3 point_mm = pose * corner.plate_mm;
     if (point_mm.z() <= 0.0 || (calibration.T_projector_camera * point_mm).z() <= 0.0) return false;
@@ -31,7 +30,7 @@ bool in_front(const Calibration& calibration, std::span<const SeenCorner> corner
   return true;
 }
 
-CornerResidual residual_of(const Calibration& calibration, const SeenCorner& corner, const PosePlate& pose) {
+CornerResidual residual_of(const Calibration& calibration, const SeenCorner& corner, const PlatePosition& pose) {
   const Vec3 point_mm = pose * corner.plate_mm;
   const PixelPosition seen = project(calibration.camera, point_mm);
   const PixelPosition lit = project(calibration.projector, calibration.T_projector_camera * point_mm);
@@ -41,7 +40,7 @@ CornerResidual residual_of(const Calibration& calibration, const SeenCorner& cor
 
 // All residuals in `views` below each other; those of an axis that is not coded are 0.
 Eigen::VectorXd stacked(const Calibration& calibration, std::span<const SeenCorner> corners, Views views,
-                        const PosePlate& pose) {
+                        const PlatePosition& pose) {
   Eigen::VectorXd all = Eigen::VectorXd::Zero(4 * static_cast<Eigen::Index>(corners.size()));
   Eigen::Index at = 0;
   for (const SeenCorner& corner : corners) {
@@ -57,7 +56,7 @@ Eigen::VectorXd stacked(const Calibration& calibration, std::span<const SeenCorn
 
 // One damped Gauss-Newton step.
 Vector6 newton_step(const Calibration& calibration, std::span<const SeenCorner> corners, Views views,
-                    const PosePlate& pose, const Eigen::VectorXd& residuals, double damping) {
+                    const PlatePosition& pose, const Eigen::VectorXd& residuals, double damping) {
   Eigen::MatrixXd jacobian(residuals.size(), 6);
   for (int i = 0; i < 6; ++i) {
     Vector6 step = Vector6::Zero();
@@ -75,15 +74,15 @@ Vector6 newton_step(const Calibration& calibration, std::span<const SeenCorner> 
 
 // Levenberg's and Marquardt's damping: ten times less after a step that helped, ten times more after one that did not.
 std::optional<PlatePose> fit_plate_pose(const Calibration& calibration, std::span<const SeenCorner> corners,
-                                        Views views, const PosePlate& start) {
+                                        Views views, const PlatePosition& start) {
   if (corners.size() < 4 || !in_front(calibration, corners, start)) return std::nullopt;
-  PosePlate pose = start;
+  PlatePosition pose = start;
   Eigen::VectorXd residuals = stacked(calibration, corners, views, pose);
   double damping = 1e-4;
   for (int i = 0; i < kMaxSteps; ++i) {
     const Vector6 step = newton_step(calibration, corners, views, pose, residuals, damping);
     if (!step.allFinite()) return std::nullopt;
-    const PosePlate next = moved(pose, step);
+    const PlatePosition next = moved(pose, step);
     const bool possible = in_front(calibration, corners, next);
     const Eigen::VectorXd after = possible ? stacked(calibration, corners, views, next) : residuals;
     if (!possible || after.squaredNorm() > residuals.squaredNorm()) {

@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "base/pose.hpp"
+#include "calibrate/plate_position.hpp"
 #include "contract/calibration.hpp"
 #include "contract/lens_project.hpp"
 
@@ -26,13 +26,13 @@ struct CornerResidual {
 enum class Views { kCamera, kProjector, kBoth };
 
 struct PlatePose {
-  Pose<frame::Camera, frame::Part> T_camera_plate;  // frame::Part is the plate
-  std::vector<CornerResidual> residuals;            // a corner each, of both views whatever was fitted
+  PlatePosition T_camera_plate;
+  std::vector<CornerResidual> residuals;  // a corner each, of both views whatever was fitted
 };
 
 // The pose with the least squared residuals in `views`, from `start`. Nothing where it does not converge in front of
 // both lenses, or where fewer than four corners are given.
 std::optional<PlatePose> fit_plate_pose(const Calibration& calibration, std::span<const SeenCorner> corners,
-                                        Views views, const Pose<frame::Camera, frame::Part>& start);
+                                        Views views, const PlatePosition& start);
 
 }  // namespace beltpick::calibrate
