@@ -64,6 +64,18 @@ Json to_json(const ParameterOutcome& parameter) {
   return {{"name", parameter.name}, {"unit", parameter.unit}, {"value", parameter.value}, {"sigma", parameter.sigma}};
 }
 
+// What both the report and calibration.json tell in the same words.
+Json summary(const Outcome& outcome) {
+  return {{"grade", kGradeNames[static_cast<std::size_t>(outcome.grade)]},
+          {"verdict", outcome.verdict},
+          {"poses_used", outcome.poses_used},
+          {"corners_used", outcome.corners_used},
+          {"corners_left_out", outcome.corners_left_out},
+          {"camera_rms_px", outcome.camera_rms_px},
+          {"projector_rms_px", outcome.projector_rms_px},
+          {"stereo_rms_px", outcome.stereo_rms_px}};
+}
+
 template <class Items>
 Json list_of(const Items& items) {
   Json list = Json::array();
@@ -78,15 +90,7 @@ std::string outcome_json(const Outcome& outcome) {
   Json json = {{"format", "beltpick-calibration-report"},
                {"version", 1},
                {"calibration_id", outcome.calibration.id},
-               {"grade", kGradeNames[static_cast<std::size_t>(outcome.grade)]},
-               {"verdict", outcome.verdict},
                {"board", {{"columns", board.columns}, {"rows", board.rows}, {"square_mm", board.square_mm}}},
-               {"poses_used", outcome.poses_used},
-               {"corners_used", outcome.corners_used},
-               {"corners_left_out", outcome.corners_left_out},
-               {"camera_rms_px", outcome.camera_rms_px},
-               {"projector_rms_px", outcome.projector_rms_px},
-               {"stereo_rms_px", outcome.stereo_rms_px},
                {"held_out",
                 {{"rms_mm", outcome.held_out_rms_mm},
                  {"max_mm", outcome.held_out_max_mm},
@@ -97,6 +101,7 @@ std::string outcome_json(const Outcome& outcome) {
                  {"symmetric", outcome.plate.symmetric},
                  {"height_mm", outcome.plate.height_mm},
                  {"sigma_mm", outcome.plate.sigma_mm}}}};
+  json.update(summary(outcome));
   if (board.is_charuco()) {
     json["board"]["marker_mm"] = board.marker_mm;
     json["board"]["dictionary"] = board.dictionary;
@@ -112,26 +117,20 @@ std::string quality_json(const Outcome& outcome) {
   Json sigmas = Json::object();
   for (const ParameterOutcome& parameter : outcome.parameters) sigmas[parameter.name] = parameter.sigma;
   const Coverage& coverage = outcome.coverage;
-  return contract_io::json_text({{"grade", kGradeNames[static_cast<std::size_t>(outcome.grade)]},
-                                 {"verdict", outcome.verdict},
-                                 {"poses_used", outcome.poses_used},
-                                 {"corners_used", outcome.corners_used},
-                                 {"corners_left_out", outcome.corners_left_out},
-                                 {"camera_rms_px", outcome.camera_rms_px},
-                                 {"projector_rms_px", outcome.projector_rms_px},
-                                 {"stereo_rms_px", outcome.stereo_rms_px},
-                                 {"held_out_rms_mm", outcome.held_out_rms_mm},
-                                 {"held_out_max_mm", outcome.held_out_max_mm},
-                                 {"held_out_size_ppm", outcome.held_out_size_ppm},
-                                 {"point_sigma_mm", outcome.point_sigma_mm},
-                                 {"plate_peak_to_valley_mm", outcome.plate.peak_to_valley_mm},
-                                 {"coverage",
-                                  {{"camera", coverage.camera.share()},
-                                   {"projector", coverage.projector.share()},
-                                   {"near_mm", coverage.near_mm},
-                                   {"far_mm", coverage.far_mm},
-                                   {"tilt_range_deg", {coverage.tilt_x_range_deg, coverage.tilt_y_range_deg}}}},
-                                 {"sigma", sigmas}});
+  Json json = summary(outcome);
+  json.update({{"held_out_rms_mm", outcome.held_out_rms_mm},
+               {"held_out_max_mm", outcome.held_out_max_mm},
+               {"held_out_size_ppm", outcome.held_out_size_ppm},
+               {"point_sigma_mm", outcome.point_sigma_mm},
+               {"plate_peak_to_valley_mm", outcome.plate.peak_to_valley_mm},
+               {"coverage",
+                {{"camera", coverage.camera.share()},
+                 {"projector", coverage.projector.share()},
+                 {"near_mm", coverage.near_mm},
+                 {"far_mm", coverage.far_mm},
+                 {"tilt_range_deg", {coverage.tilt_x_range_deg, coverage.tilt_y_range_deg}}}},
+               {"sigma", sigmas}});
+  return contract_io::json_text(json);
 }
 
 }  // namespace beltpick::calibrate
