@@ -1,4 +1,4 @@
-// OpenCV's lens model in normalised coordinates (x / z, y / z): distortion and its inverse. Internal to range.
+// OpenCV's lens model in normalised coordinates (x / z, y / z): distortion and its inverse.
 #pragma once
 
 #include <Eigen/Core>
