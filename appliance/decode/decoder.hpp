@@ -22,8 +22,8 @@ inline constexpr int kBandRows = 8;
 struct DecoderLimits {
   int rows = 0;
   int cols = 0;
-  int state_bytes = 16;       // a pixel; see FoldPlan::state_bytes
-  bool codes_columns = true;  // the axes that sequences may code
+  int state_bytes = kStateBytes;  // a pixel; see FoldPlan::state_bytes
+  bool codes_columns = true;      // the axes that sequences may code
   bool codes_rows = false;
   int frames = 32;    // of one sequence
   int code_rows = 0;  // of the code image that are kept at once; 0: all. Whoever reads them in bands needs a band

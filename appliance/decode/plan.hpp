@@ -63,8 +63,8 @@ struct Threshold {
   int plane = kNone;        // the twin, white, or the mean
   int black_plane = kNone;  // kMidpoint
   float scale = 1.0F;
-  int level_plane = kNone,
-      reach_plane = kNone;  // the threshold itself, where it is known before the end; not for twins
+  // The threshold itself and how far levels reach from it, where both are known before the end; not for twins.
+  int level_plane = kNone, reach_plane = kNone;
 
   bool operator==(const Threshold&) const = default;
 };
