@@ -1,7 +1,7 @@
 // beltpick calibrate: captures of a plate to a calibration, with right and with wrong input.
 #include <catch2/catch.hpp>
-#include <nlohmann/json.hpp>
 
+#include "support/json_file.hpp"
 #include "support/real_data.hpp"
 #include "workshop.hpp"
 
@@ -9,18 +9,14 @@ using namespace beltpick::test;
 
 namespace {
 
-nlohmann::json json_of(const std::filesystem::path& path) { return nlohmann::json::parse(file_bytes(path)); }
-
 // Six captures of a plate by a small rig, in plates/.
 const TempFolder& plates() {
   static const TempFolder folder;
   static const bool made = [] {
-    const Outcome simulated = beltpick_run(
+    must_run(
         "simulate --scene plate --board 7x6 --square-mm 30 --camera 480x360 --projector 456x570 "
         "--sequence fast --count 6 --seed 5 --out " +
         (folder / "plates").string());
-    INFO(simulated.err);
-    REQUIRE(simulated.exit_code == 0);
     return true;
   }();
   (void)made;
@@ -85,11 +81,8 @@ TEST_CASE("calibrate finds the rig that took the captures", "[calibrate]") {
 TEST_CASE("a capture without a plate, given twice or with a frame missing is left out and named", "[calibrate]") {
   const TempFolder folder;
   const auto simulate = [&](const std::string& scene, const char* name) {
-    const Outcome made =
-        beltpick_run("simulate --axes both --camera 480x360 --projector 456x570 --sequence fast --seed 3 " + scene +
-                     " --out " + (folder / name).string());
-    INFO(made.err);
-    REQUIRE(made.exit_code == 0);
+    must_run("simulate --axes both --camera 480x360 --projector 456x570 --sequence fast --seed 3 " + scene + " --out " +
+             (folder / name).string());
     return (folder / name).string() + " ";
   };
   const std::string spoilt =

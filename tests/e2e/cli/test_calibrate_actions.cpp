@@ -1,15 +1,13 @@
 // beltpick calibrate diff, belt, verify and --resume: with right and with wrong input.
 #include <catch2/catch.hpp>
 #include <fstream>
-#include <nlohmann/json.hpp>
 
+#include "support/json_file.hpp"
 #include "workshop.hpp"
 
 using namespace beltpick::test;
 
 namespace {
-
-nlohmann::json json_of(const std::filesystem::path& path) { return nlohmann::json::parse(file_bytes(path)); }
 
 // The workshop's calibration with another principal point of the projector.
 std::string shifted_calibration(const TempFolder& folder, double shift_px) {
@@ -25,10 +23,7 @@ std::string scene_file(const std::string& name) { return (workshop() / ("scene/"
 const TempFolder& bare_belt() {
   static const TempFolder folder;
   static const bool made = [] {
-    const Outcome simulated = beltpick_run(
-        "simulate --scene bare --camera 320x240 --projector 304x380 --seed 3 --out " + (folder / "bare").string());
-    INFO(simulated.err);
-    REQUIRE(simulated.exit_code == 0);
+    must_run("simulate --scene bare --camera 320x240 --projector 304x380 --seed 3 --out " + (folder / "bare").string());
     return true;
   }();
   (void)made;
@@ -143,23 +138,14 @@ namespace {
 constexpr const char* kSmallRig = " --camera 640x480 --projector 456x570 --out ";
 constexpr const char* kBoard = " --board 11x8 --square-mm 20";
 
-void simulate(const std::string& arguments) {
-  const Outcome simulated = beltpick_run("simulate " + arguments);
-  INFO(simulated.err);
-  REQUIRE(simulated.exit_code == 0);
-}
-
 // Holds calibration.json with its observations, from eight plates of a small rig, and on_belt, one more plate of it.
 const TempFolder& calibrated() {
   static const TempFolder folder;
   static const bool made = [] {
-    simulate("--scene plate --count 8 --seed 4" + std::string(kSmallRig) + (folder / "plates").string());
-    simulate("--scene plate-on-belt --seed 5" + std::string(kSmallRig) + (folder / "on_belt").string());
-    const Outcome outcome =
-        beltpick_run("calibrate " + (folder / "plates").string() + kBoard + " --out " +
-                     (folder / "calibration.json").string() + " --report " + (folder / "report").string());
-    INFO(outcome.err);
-    REQUIRE(outcome.exit_code == 0);
+    must_run("simulate --scene plate --count 8 --seed 4" + std::string(kSmallRig) + (folder / "plates").string());
+    must_run("simulate --scene plate-on-belt --seed 5" + std::string(kSmallRig) + (folder / "on_belt").string());
+    must_run("calibrate " + (folder / "plates").string() + kBoard + " --out " + (folder / "calibration.json").string() +
+             " --report " + (folder / "report").string());
     return true;
   }();
   (void)made;
@@ -184,7 +170,7 @@ TEST_CASE("calibrate verify says of one plate that the calibration holds, and th
 
   const TempFolder folder;
   const std::string drifted = (folder / "drifted").string();
-  simulate("--scene plate-on-belt --seed 5 --drift-px 0.2" + std::string(kSmallRig) + drifted);
+  must_run("simulate --scene plate-on-belt --seed 5 --drift-px 0.2" + std::string(kSmallRig) + drifted);
   const Outcome bad = beltpick_run("calibrate verify " + drifted + calibration_option() + kBoard + " --json");
   INFO(bad.err);
   CHECK(bad.exit_code == 1);

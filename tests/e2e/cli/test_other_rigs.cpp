@@ -159,21 +159,14 @@ TEST_CASE("Other projectors' gamma decodes", "[rigs]") {
     const RigSize size{323, 241, 1280, 800, 0.9, gamma};
     check_decodes({"steps and code", size, usual(), 0.6, 5});
     check_decodes({"three steps and code", size, {phases(kRow, 18, 3), grays(kRow, 9, 800)}, 0.9, 5});
-    check_decodes({"coarse to fine, five steps",
-                   size,
-                   {phases(kColumn, 1280, 5), phases(kColumn, 160, 5), phases(kColumn, 20, 5)},
-                   0.6,
-                   5});
-    check_decodes({"coarse to fine, four steps",
-                   size,
-                   {phases(kColumn, 1280, 4), phases(kColumn, 160, 4), phases(kColumn, 20, 4)},
-                   0.6,
-                   5});
-    check_decodes({"coarse to fine, three steps",
-                   size,
-                   {phases(kColumn, 1280, 3), phases(kColumn, 160, 3), phases(kColumn, 20, 3)},
-                   0.9,
-                   5});
+    for (const int steps : {5, 4, 3}) {
+      INFO("steps " << steps);
+      check_decodes({"coarse to fine",
+                     size,
+                     {phases(kColumn, 1280, steps), phases(kColumn, 160, steps), phases(kColumn, 20, steps)},
+                     steps == 3 ? 0.9 : 0.6,
+                     5});
+    }
     check_decodes({"three periods, three steps",
                    size,
                    {phases(kColumn, 18, 3), phases(kColumn, 20.5, 3), phases(kColumn, 23, 3)},

@@ -1,5 +1,4 @@
 #include <catch2/catch.hpp>
-#include <nlohmann/json.hpp>
 
 #include "base/random.hpp"
 #include "calibrate/compare_report.hpp"
@@ -7,6 +6,7 @@
 #include "html/page.hpp"
 #include "html/plot.hpp"
 #include "sample_rig.hpp"
+#include "support/json_file.hpp"
 #include "support/temp_folder.hpp"
 
 using namespace beltpick;
@@ -101,7 +101,7 @@ TEST_CASE("The report carries verdict, pictures and what was left out in one fil
 TEST_CASE("The report's JSON tells all poses, corners and reasons", "[report]") {
   const TempFolder folder;
   REQUIRE(write_report(folder.path(), sample_outcome()));
-  const auto json = nlohmann::json::parse(file_bytes(folder / "report.json"));
+  const auto json = json_of(folder / "report.json");
   CHECK(json["format"] == "beltpick-calibration-report");
   CHECK(json["grade"] == "usable");
   CHECK(json["poses"].size() == 5);

@@ -100,31 +100,31 @@ TEST_CASE("sound captures raise no alarm", "[faults]") {
   }
 }
 
-TEST_CASE("neighbouring phase frames exchanged are named, however fine the steps", "[faults]") {
+// Calls `spoil` for every phase frame of the finest period of each named sequence but the last `before_last`, with
+// sound images of its own, the frame's number and that of the period's first.
+template <class Spoil>
+void for_each_phase_frame(std::size_t before_last, const Spoil& spoil) {
   for (const auto name : {SequenceName::kFast, SequenceName::kStandard, SequenceName::kRobust}) {
     const Sequence sequence = named(name);
     const std::size_t first = sequence.frames.front().kind == FrameKind::kPhase ? 0 : 2;
-    const auto steps = static_cast<std::size_t>(sequence.frames[first].steps);
-    for (std::size_t a = first; a + 1 < first + steps; ++a) {
-      Images images = images_of(sequence, a + 1);
-      std::swap(images.frames[a], images.frames[a + 1]);
-      check_named(decode(sequence, images), ResultCode::kSequenceOrderWrong, file(a) + " and " + file(a + 1));
-    }
+    const std::size_t last = first + static_cast<std::size_t>(sequence.frames[first].steps) - 1;
+    for (std::size_t a = first; a + before_last <= last; ++a) spoil(sequence, images_of(sequence, a + 1), a, first);
   }
 }
 
+TEST_CASE("neighbouring phase frames exchanged are named, however fine the steps", "[faults]") {
+  for_each_phase_frame(1, [](const Sequence& sequence, Images images, std::size_t a, std::size_t) {
+    std::swap(images.frames[a], images.frames[a + 1]);
+    check_named(decode(sequence, images), ResultCode::kSequenceOrderWrong, file(a) + " and " + file(a + 1));
+  });
+}
+
 TEST_CASE("a phase frame that was dropped is named", "[faults]") {
-  for (const auto name : {SequenceName::kFast, SequenceName::kStandard, SequenceName::kRobust}) {
-    const Sequence sequence = named(name);
-    const std::size_t first = sequence.frames.front().kind == FrameKind::kPhase ? 0 : 2;
-    const auto steps = static_cast<std::size_t>(sequence.frames[first].steps);
-    for (std::size_t a = first; a + 2 < first + steps; ++a) {
-      Images images = images_of(sequence, a + 1);
-      images.frames.erase(images.frames.begin() + static_cast<std::ptrdiff_t>(a));
-      images.frames.push_back(images.frames[first + 1]);
-      check_named(decode(sequence, images), ResultCode::kFrameMissing, file(a));
-    }
-  }
+  for_each_phase_frame(2, [](const Sequence& sequence, Images images, std::size_t a, std::size_t first) {
+    images.frames.erase(images.frames.begin() + static_cast<std::ptrdiff_t>(a));
+    images.frames.push_back(images.frames[first + 1]);
+    check_named(decode(sequence, images), ResultCode::kFrameMissing, file(a));
+  });
 }
 
 TEST_CASE("twins that are none are named", "[faults]") {
