@@ -147,9 +147,11 @@ class PhaseBins {
   void add(double phase, double error) {
     const auto bin = std::min(static_cast<std::size_t>(phase * kBins), std::size_t{kBins - 1});
     sum_[bin] += error;
+    squares_[bin] += error * error;
     ++count_[bin];
   }
-  // Sum over the bins of their squared mean error less that of the tile; noise in the means not included.
+  // Sum over the bins of their squared mean error less that of the tile, and less what the scatter of the errors within
+  // a bin lets its mean be off by chance: rounding to grey levels alone scatters by a few hundredths of a pixel.
   void gather(double& squares, int& bins) const {
     double total = 0.0;
     int filled = 0;
@@ -160,8 +162,10 @@ class PhaseBins {
     }
     for (std::size_t b = 0; b < kBins; ++b) {
       if (count_[b] < kLeast || filled < kBins) continue;
-      const double off = sum_[b] / count_[b] - total / filled;
-      squares += off * off;
+      const double mean = sum_[b] / count_[b];
+      const double off = mean - total / filled;
+      const double by_chance = (squares_[b] / count_[b] - mean * mean) / (count_[b] - 1);
+      squares += off * off - by_chance;
       ++bins;
     }
   }
@@ -169,7 +173,7 @@ class PhaseBins {
  private:
   static constexpr int kBins = 24;
   static constexpr int kLeast = 100;
-  std::array<double, kBins> sum_{};
+  std::array<double, kBins> sum_{}, squares_{};
   std::array<int, kBins> count_{};
 };
 
@@ -196,7 +200,7 @@ double ripple_rms_px(const VirtualCapture& capture, const Measurement& measured,
       tile.gather(squares, bins);
     }
   }
-  return bins == 0 ? 0.0 : std::sqrt(squares / bins);
+  return bins == 0 ? 0.0 : std::sqrt(std::max(squares, 0.0) / bins);
 }
 
 }  // namespace beltpick::bench
