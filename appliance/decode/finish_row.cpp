@@ -132,7 +132,8 @@ void decode_axis(const RowContext& context, const ExposurePlan& exposure, const 
     state_row(out.amplitude8, scratch.mean8.data(), scratch.half8.data(), scratch.order_safe.data(), nullptr, cols,
               {kLeastGraySigmas, kGrayNoiseGain}, out.state, out.x_px);
     if (&axis == &exposure.axes[static_cast<std::size_t>(Axis::kColumn)]) {
-      refine_cells_row(scratch.cell.data(), out.state, cols, cell_rule(*code, axis, code->cell_px), out.x_px);
+      refine_cells_row(scratch.cell.data(), out.state, cols, cell_rule(*code, axis, code->cell_px), scratch.runs,
+                       out.x_px);
     }
     return;
   }
@@ -191,6 +192,7 @@ RowScratch::RowScratch(Arena& arena, int cols) {
   take(cell, count);
   take(weak, count);
   take(order_safe, count);
+  take(runs, run_scratch_numbers(cols));
   for (auto& row : x_px) take(row, count);
   for (auto& row : axis_amplitude8) take(row, count);
   for (auto& row : axis_state) take(row, count);

@@ -1,59 +1,174 @@
 #include "decode/gray_subpixel.hpp"
 
 #include <algorithm>
-#include <cmath>
-#include <cstdlib>
+#include <limits>
+#include <utility>
+
+#include "base/kernel.hpp"
 
 namespace beltpick::decode {
 namespace {
 
+#define BELTPICK_INLINE [[gnu::always_inline]] inline
+
 constexpr int kLikeLength = 3;  // times longer or shorter, and two pixels, at most
 
-// The pixels from first to before end have one cell; none where first == end.
-struct Run {
-  int first = 0, end = 0;
-  int cell = 0;
+// How the cell of a pixel follows that of the pixel to its left.
+using Step = std::uint8_t;
+constexpr Step kBreak = 0;  // not at all, or one of the two is not valid
+constexpr Step kRise = 1;   // the next higher cell
+constexpr Step kFall = 2;   // the next lower one
+constexpr Step kSame = 4;   // the same cell: one run
 
-  [[nodiscard]] int length() const { return end - first; }
-};
-
-Run run_from(const std::uint16_t* cell, const PixelState* state, int first, int count) {
-  Run run{first, first, first < count ? cell[first] : 0};
-  while (run.end < count && state[run.end] == PixelState::kValid && cell[run.end] == run.cell) ++run.end;
-  return run;
+template <class Lane>
+BELTPICK_INLINE void take_steps(const std::uint16_t* __restrict cell, const PixelState* __restrict state, int count,
+                                Lane* __restrict step) {
+  step[0] = kBreak;
+  for (int i = 1; i < count; ++i) {
+    const std::uint16_t higher = std::max(cell[i], cell[i - 1]);
+    const std::uint16_t lower = std::min(cell[i], cell[i - 1]);
+    const std::uint16_t next = cell[i] == higher ? kRise : kFall;
+    const auto apart = static_cast<std::uint16_t>(higher - lower);
+    const std::uint16_t moved = apart == 1 ? next : apart == 0 ? kSame : kBreak;
+    const bool valid = state[i] == PixelState::kValid && state[i - 1] == PixelState::kValid;
+    step[i] = valid ? static_cast<Lane>(moved) : Lane{kBreak};
+  }
 }
 
-// Whether `next` begins where `run` ends, on the same surface.
-bool goes_on(const Run& run, const Run& next) {
-  const int shorter = std::min(run.length(), next.length());
-  const int longer = std::max(run.length(), next.length());
-  return shorter > 0 && next.first == run.end && std::abs(next.cell - run.cell) == 1 &&
-         longer <= kLikeLength * shorter + 2;
+// Whether the pixel to the left, or to the right, is of the same run.
+template <class Lane>
+BELTPICK_INLINE void start_counts(const Lane* __restrict step, int count, Lane* __restrict before,
+                                  Lane* __restrict after) {
+  for (int i = 0; i < count; ++i) before[i] = step[i] == kSame ? 1 : 0;
+  for (int i = 0; i + 1 < count; ++i) after[i] = step[i + 1] == kSame ? 1 : 0;
+  after[count - 1] = 0;
 }
 
-// The border between two neighbouring cells.
-float border_px(const Run& a, const Run& b, const CellRule& rule) {
-  return static_cast<float>(std::max(a.cell, b.cell)) * rule.cell_px - 0.5F;
+// From counts up to `reach` to counts up to twice that; true where one is so high.
+template <class Lane>
+BELTPICK_INLINE bool double_before(const Lane* __restrict from, int count, int reach, Lane* __restrict to) {
+  const auto full = static_cast<Lane>(reach);
+  const int head = std::min(reach, count);
+  for (int i = 0; i < head; ++i) to[i] = from[i];
+  Lane most = 0;
+  for (int i = head; i < count; ++i) {
+    const Lane further = from[i - reach];
+    const Lane own = from[i];
+    const auto sum = static_cast<Lane>(own + (own == full ? further : Lane{0}));
+    most = std::max(most, sum);
+    to[i] = sum;
+  }
+  return most == 2 * reach;
+}
+template <class Lane>
+BELTPICK_INLINE void double_after(const Lane* __restrict from, int count, int reach, Lane* __restrict to) {
+  const auto full = static_cast<Lane>(reach);
+  const int tail = std::max(count - reach, 0);
+  for (int i = 0; i < tail; ++i) {
+    const Lane further = from[i + reach];
+    const Lane own = from[i];
+    to[i] = static_cast<Lane>(own + (own == full ? further : Lane{0}));
+  }
+  for (int i = tail; i < count; ++i) to[i] = from[i];
+}
+
+// Keeps the steps between runs of like length.
+template <class Lane>
+BELTPICK_INLINE void keep_like(const Lane* __restrict step, const Lane* __restrict before, const Lane* __restrict after,
+                               int count, Lane* __restrict start, Lane* __restrict end) {
+  constexpr auto kShort = static_cast<Lane>((std::numeric_limits<Lane>::max() - 2) / kLikeLength);
+  start[0] = kBreak;
+  for (int i = 1; i < count; ++i) {
+    const auto left = static_cast<Lane>(before[i - 1] + 1);
+    const auto right = static_cast<Lane>(after[i] + 1);
+    const Lane shorter = std::min(std::min(left, right), kShort);
+    const auto most = static_cast<Lane>(kLikeLength * shorter + 2);
+    start[i] = std::max(left, right) <= most && step[i] != kSame ? step[i] : Lane{kBreak};
+  }
+  for (int i = 0; i + 1 < count; ++i) end[i] = start[i + 1];
+  end[count - 1] = kBreak;
+}
+
+// Each pixel takes over what stands `reach` pixels further to its run's start, or end, where the way is that long:
+// after all powers of two, what stands at the start, or end.
+template <class Lane>
+BELTPICK_INLINE void fetch_start(const Lane* __restrict from, const Lane* __restrict before, int count, int reach,
+                                 Lane* __restrict to) {
+  const auto bit = static_cast<Lane>(reach);
+  const int head = std::min(reach, count);
+  for (int i = 0; i < head; ++i) to[i] = from[i];
+  for (int i = head; i < count; ++i) {
+    const Lane further = from[i - reach];
+    const Lane own = from[i];
+    to[i] = (before[i] & bit) != 0 ? further : own;
+  }
+}
+template <class Lane>
+BELTPICK_INLINE void fetch_end(const Lane* __restrict from, const Lane* __restrict after, int count, int reach,
+                               Lane* __restrict to) {
+  const auto bit = static_cast<Lane>(reach);
+  const int tail = std::max(count - reach, 0);
+  for (int i = 0; i < tail; ++i) {
+    const Lane further = from[i + reach];
+    const Lane own = from[i];
+    to[i] = (after[i] & bit) != 0 ? further : own;
+  }
+  for (int i = tail; i < count; ++i) to[i] = from[i];
+}
+
+template <class Lane>
+BELTPICK_INLINE void place_within(const std::uint16_t* __restrict cell, const Lane* __restrict start,
+                                  const Lane* __restrict end, const Lane* __restrict before,
+                                  const Lane* __restrict after, int count, float cell_px, float* __restrict x_px) {
+  for (int i = 0; i < count; ++i) {
+    const float lower_px = static_cast<float>(cell[i]) * cell_px - 0.5F;
+    const float upper_px = static_cast<float>(cell[i] + 1) * cell_px - 0.5F;
+    const bool falls = start[i] == kFall;
+    const float left_px = falls ? upper_px : lower_px;
+    const float right_px = falls ? lower_px : upper_px;
+    const float per_pixel = (right_px - left_px) / static_cast<float>(before[i] + after[i] + 1);
+    const float within_px = left_px + (static_cast<float>(before[i]) + 0.5F) * per_pixel;
+    x_px[i] = start[i] == end[i] && start[i] != kBreak ? within_px : x_px[i];
+  }
+}
+
+// False where a run is longer than a lane counts.
+template <class Lane>
+BELTPICK_INLINE bool refine(const std::uint16_t* cell, const PixelState* state, int count, float cell_px,
+                            std::uint16_t* scratch, float* x_px) {
+  constexpr int kMostReach = (std::numeric_limits<Lane>::max() + 1) / 2;
+  Lane* row[6];
+  for (int r = 0; r < 6; ++r) row[r] = reinterpret_cast<Lane*>(scratch) + r * count;
+  auto [before, before_next, after, after_next, start, end] = row;
+  take_steps(cell, state, count, start);
+  start_counts(start, count, before, after);
+  int reach = 1;
+  for (bool longer = true; longer && reach < count; reach *= 2) {
+    if (reach == kMostReach) return false;
+    longer = double_before(before, count, reach, before_next);
+    double_after(after, count, reach, after_next);
+    std::swap(before, before_next);
+    std::swap(after, after_next);
+  }
+  keep_like(start, before, after, count, before_next, end);
+  std::swap(start, before_next);
+  for (int bit = reach / 2; bit > 0; bit /= 2) {
+    fetch_start(start, before, count, bit, before_next);
+    fetch_end(end, after, count, bit, after_next);
+    std::swap(start, before_next);
+    std::swap(end, after_next);
+  }
+  place_within(cell, start, end, before, after, count, cell_px, x_px);
+  return true;
 }
 
 }  // namespace
 
+BELTPICK_KERNEL
 void refine_cells_row(const std::uint16_t* cell, const PixelState* state, int count, const CellRule& rule,
-                      float* x_px) {
-  Run before;
-  Run run = run_from(cell, state, 0, count);
-  while (run.first < count) {
-    const int next_first = run.length() > 0 ? run.end : run.first + 1;
-    const Run next = run_from(cell, state, next_first, count);
-    if (goes_on(before, run) && goes_on(run, next) && before.cell != next.cell) {
-      const float left_px = border_px(before, run, rule);
-      const float per_pixel = (border_px(run, next, rule) - left_px) / static_cast<float>(run.length());
-      for (int i = run.first; i < run.end; ++i)
-        x_px[i] = left_px + (static_cast<float>(i - run.first) + 0.5F) * per_pixel;
-    }
-    before = run;
-    run = next;
-  }
+                      std::span<std::uint16_t> scratch, float* x_px) {
+  if (refine<std::uint8_t>(cell, state, count, rule.cell_px, scratch.data(), x_px)) return;
+  refine<std::uint16_t>(cell, state, count, rule.cell_px, scratch.data(), x_px);
 }
 
 }  // namespace beltpick::decode
