@@ -58,7 +58,7 @@ void add_light_options(CLI::App& app, SimulateOptions& options) {
 }  // namespace
 
 const std::vector<std::string>& lay_names() {
-  static const std::vector<std::string> names{"flat", "edge", "any", "leaning", "cut"};
+  static const std::vector<std::string> names{"flat", "edge", "any", "leaning", "cut", "dropped"};
   return names;
 }
 

@@ -18,6 +18,7 @@ constexpr double kFootprintCellMm = 4.0;
 constexpr int kPlacementTries = 400;
 constexpr int kSceneTries = 12;
 constexpr double kLeanDropMm = 1.0;
+constexpr double kDropGapMm = 0.2;
 
 using Footprint = std::set<std::pair<int, int>>;
 
@@ -76,6 +77,7 @@ struct SceneMaker::State {
   [[nodiscard]] Mat3 orientation(int part, Lay lay, Random& random) const;
   [[nodiscard]] int choice(int part, Random& random) const;
   [[nodiscard]] bool place_apart(const PartLay& lay, Random& random, Scene& scene) const;
+  [[nodiscard]] bool place_dropped(int part, Random& random, Scene& scene) const;
   [[nodiscard]] bool place_leaning(int part, Random& random, Scene& scene) const;
 };
 
@@ -149,6 +151,29 @@ bool SceneMaker::State::place_apart(const PartLay& asked, Random& random, Scene&
   return false;
 }
 
+// Lets a tilted part down partly over one of the others. False when it would lie out of view.
+bool SceneMaker::State::place_dropped(int part, Random& random, Scene& scene) const {
+  constexpr double kMostTilt = 0.6;
+  for (int attempt = 0; attempt < kPlacementTries; ++attempt) {
+    const BeltPart& below = scene[random.below(static_cast<std::uint32_t>(scene.size()))];
+    BeltPart placed;
+    placed.part = choice(part, random);
+    const double about = random.uniform(0.0, 2.0 * kPi);
+    const Eigen::AngleAxisd tilt(random.uniform(0.0, kMostTilt), Vec3(std::cos(about), std::sin(about), 0.0));
+    placed.T_belt_part.rotation = tilt * orientation(placed.part, Lay::kAny, random);
+    const double away = random.uniform(0.0, 2.0 * kPi);
+    const double distance_mm = random.uniform(0.2, 1.2) * reach_mm[placed.part];
+    const Vec3 target = below.T_belt_part * parts[below.part].centre_of_mass_mm;
+    const Vec3 centre = placed.T_belt_part.rotation * parts[placed.part].centre_of_mass_mm;
+    placed.T_belt_part.translation_mm = target - centre + distance_mm * Vec3(std::cos(away), std::sin(away), 0.0);
+    if (share_in_view(placed) < 0.8) continue;
+    scene.push_back(placed);
+    settler.lower_onto(scene, scene.size() - 1, kDropGapMm);
+    return true;
+  }
+  return false;
+}
+
 // Drops a part partly over the last one and lets all settle. False when it rolls off or out of view.
 bool SceneMaker::State::place_leaning(int part, Random& random, Scene& scene) const {
   const BeltPart below = scene.back();
@@ -193,7 +218,9 @@ Scene SceneMaker::make(std::span<const PartLay> lays, std::uint64_t seed) const 
     Scene scene;
     for (const auto& [lay, part] : lays) {
       if (lay == Lay::kLeaning && !scene.empty() && state_->place_leaning(part, random, scene)) continue;
-      if (!state_->place_apart({lay == Lay::kLeaning ? Lay::kFlat : lay, part}, random, scene)) break;
+      if (lay == Lay::kDropped && !scene.empty() && state_->place_dropped(part, random, scene)) continue;
+      const bool on_others = lay == Lay::kLeaning || lay == Lay::kDropped;
+      if (!state_->place_apart({on_others ? Lay::kFlat : lay, part}, random, scene)) break;
     }
     if (scene.size() > best.size() || attempt == 0) best = scene;
   }

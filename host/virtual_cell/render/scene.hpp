@@ -19,7 +19,8 @@ enum class Lay : std::uint8_t {
   kEdge,     // on a short edge: a resting pose that stands higher
   kAny,      // any resting pose, as often as it falls so
   kLeaning,  // dropped onto the part laid before it, and left to settle
-  kCut       // as kAny, but partly outside the view
+  kCut,      // as kAny, but partly outside the view
+  kDropped   // let down onto the parts before it, tilted, and held where it first touches: a heap without settling
 };
 
 // A part to be laid: which of the parts, or one drawn by seed.

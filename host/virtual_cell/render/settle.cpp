@@ -24,6 +24,7 @@ struct Settler::State {
 
   [[nodiscard]] std::vector<RigidBody> bodies(const Scene& scene) const;
   [[nodiscard]] double gap_mm(const Scene& scene, std::size_t index, bool with_belt) const;
+  void raise_over_all(Scene& scene, std::size_t index) const;
 };
 
 std::vector<RigidBody> Settler::State::bodies(const Scene& scene) const {
@@ -54,6 +55,20 @@ double Settler::State::gap_mm(const Scene& scene, std::size_t index, bool with_b
   return gap;
 }
 
+// Moves a part straight up until it is kFarMm higher than all others.
+void Settler::State::raise_over_all(Scene& scene, std::size_t index) const {
+  double top = 0.0;
+  double lowest = std::numeric_limits<double>::max();
+  for (std::size_t i = 0; i < scene.size(); ++i) {
+    for (const Vec3f& v : parts[scene[i].part].mesh.vertex_mm) {
+      const double z = (scene[i].T_belt_part * v.cast<double>()).z();
+      if (i == index) lowest = std::min(lowest, z);
+      if (i != index) top = std::max(top, z);
+    }
+  }
+  scene[index].T_belt_part.translation_mm.z() += top + kFarMm - lowest;
+}
+
 Settler::Settler(std::span<const ScenePart> parts) : state_(std::make_unique<State>()) {
   state_->parts = parts;
   for (const ScenePart& part : parts) {
@@ -65,22 +80,21 @@ Settler::~Settler() = default;
 Settler::Settler(Settler&&) noexcept = default;
 
 void Settler::lift_clear(Scene& scene, std::size_t index, double gap_mm) const {
+  state_->raise_over_all(scene, index);
   Vec3& at = scene[index].T_belt_part.translation_mm;
-  double top = 0.0;
-  double lowest = std::numeric_limits<double>::max();
-  for (std::size_t i = 0; i < scene.size(); ++i) {
-    for (const Vec3f& v : state_->parts[scene[i].part].mesh.vertex_mm) {
-      const double z = (scene[i].T_belt_part * v.cast<double>()).z();
-      if (i == index) lowest = std::min(lowest, z);
-      if (i != index) top = std::max(top, z);
-    }
-  }
-  at.z() += top + kFarMm - lowest;
   while (true) {
     at.z() -= 1.0;
     if (state_->gap_mm(scene, index, true) < gap_mm) break;
   }
   at.z() += 1.0;
+}
+
+void Settler::lower_onto(Scene& scene, std::size_t index, double gap_mm) const {
+  state_->raise_over_all(scene, index);
+  Vec3& at = scene[index].T_belt_part.translation_mm;
+  for (double gap = state_->gap_mm(scene, index, true); gap > gap_mm; gap = state_->gap_mm(scene, index, true)) {
+    at.z() -= gap - 0.5 * gap_mm;
+  }
 }
 
 bool Settler::settle(Scene& scene) const {

@@ -18,6 +18,10 @@ class Settler {
   // Moves part `index` straight up or down until its lowest gap to belt and other parts is `gap_mm`.
   void lift_clear(Scene& scene, std::size_t index, double gap_mm) const;
 
+  // Lets part `index` straight down from above all others until it nearly touches one, or the belt: at most `gap_mm`
+  // is left. Quick, against settling.
+  void lower_onto(Scene& scene, std::size_t index, double gap_mm) const;
+
   // Rigid bodies with stiff contacts and Coulomb friction, strongly damped, until nothing moves; what still
   // interpenetrates by more than kMaxPenetrationMm is lifted out. False when the parts do not come to rest in time.
   [[nodiscard]] bool settle(Scene& scene) const;

@@ -26,28 +26,44 @@ BeltCamera::BeltCamera(const PartPool& pool, int width, int height)
       sequence_(need(make_sequence(SequenceName::kStandard, {rig_.projector.width, rig_.projector.height, rig_.layout},
                                    SequenceAxes::kColumn))),
       maker_(pool.parts, rig_),
-      renderer_(std::make_unique<vc::SceneRenderer>(rig_, pool.parts)),
+      caster_(rig_, pool.parts, calibration_, sequence_),
       pixels_(static_cast<std::size_t>(width) * static_cast<std::size_t>(height)) {}
 
 SeenScene BeltCamera::look(const ScenePlan& plan, Machine& machine) {
   const vc::Scene scene = maker_.make(std::span(plan.lays), plan.scene_seed);
   const auto instances = vc::instances_of(scene, rig_);
-  renderer_->place(instances, plan.scene_seed);
   SeenScene seen;
-  seen.truth = vc::truth_of(*renderer_, instances, pool_.parts);
   for (const vc::BeltPart& placed : scene) seen.part.push_back(placed.part);
-  seen.instances = renderer_->true_instances();
+  std::vector<double> visible;
+  if (plan.rendered) {
+    seen.range = render(instances, plan.scene_seed, machine);
+    seen.instances = renderer_->true_instances();
+    visible = renderer_->visible_fractions();
+  } else {
+    seen.range = caster_.cast(instances, plan.scene_seed);
+    seen.instances = caster_.instances();
+    visible = caster_.visible_fractions();
+  }
+  for (std::size_t i = 0; i < instances.size(); ++i) {
+    const vc::ScenePart& part = pool_.parts[static_cast<std::size_t>(seen.part[i])];
+    seen.truth.parts.push_back({part.name, instances[i].T_camera_part, visible[i], part.symmetries});
+  }
+  return seen;
+}
+
+RangeImage BeltCamera::render(std::span<const vc::PartInstance> instances, std::uint64_t seed, Machine& machine) {
+  if (!renderer_) renderer_ = std::make_unique<vc::SceneRenderer>(rig_, pool_.parts);
+  renderer_->place(instances, seed);
   need(machine.measure.configure(sequence_, calibration_));
   need(machine.measure.begin());
   const vc::CaptureTiming timing;
   for (std::size_t i = 0; i < sequence_.frames.size(); ++i) {
-    const ImageView<std::uint8_t> image(pixels_.data(), seen.instances.rows, seen.instances.cols);
+    const ImageView<std::uint8_t> image(pixels_.data(), rig_.camera.height, rig_.camera.width);
     renderer_->expose(sequence_.frames[i], vc::RenderOptions{}.nominal_exposure_us,
                       timing.settle_s + static_cast<double>(i) / timing.frame_rate_hz, image);
     need(machine.measure.fold(static_cast<int>(i), ImageView<const std::uint8_t>(image)));
   }
-  seen.range = need(machine.measure.finish());
-  return seen;
+  return need(machine.measure.finish());
 }
 
 }  // namespace beltpick::bench

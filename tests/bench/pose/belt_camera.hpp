@@ -1,10 +1,11 @@
-// BeltCamera: the virtual cell's camera over a scene of the bench: renders every frame, folds it into the product's
-// decoder, and knows the truth.
+// BeltCamera: the virtual cell's camera over a scene of the bench: renders every frame and folds it into the product's
+// decoder, or casts the codes that decoding would give; and knows the truth.
 #pragma once
 
 #include <memory>
 #include <vector>
 
+#include "bench/pose/code_caster.hpp"
 #include "bench/pose/machine.hpp"
 #include "bench/pose/part_pool.hpp"
 #include "bench/pose/scene_plan.hpp"
@@ -31,12 +32,15 @@ class BeltCamera {
   [[nodiscard]] const Calibration& calibration() const { return calibration_; }
 
  private:
+  RangeImage render(std::span<const virtual_cell::PartInstance> instances, std::uint64_t seed, Machine& machine);
+
   const PartPool& pool_;
   virtual_cell::Rig rig_;
   Calibration calibration_;
   Sequence sequence_;
   virtual_cell::SceneMaker maker_;
-  std::unique_ptr<virtual_cell::SceneRenderer> renderer_;
+  std::unique_ptr<virtual_cell::SceneRenderer> renderer_;  // made when first needed
+  CodeCaster caster_;
   std::vector<std::uint8_t> pixels_;
 };
 

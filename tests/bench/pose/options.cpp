@@ -29,6 +29,8 @@ void take(Options& options, const std::string& name, const std::string& value) {
     options.records = value;
   } else if (name == "--jobs") {
     options.jobs = number<int>(name, value);
+  } else if (name == "--rendered-every") {
+    options.rendered_every = number<int>(name, value);
   } else if (name == "--templates") {
     options.templates = value;
   } else if (name == "--scene") {

@@ -14,6 +14,7 @@ struct Options {
   std::uint64_t seed = 1;
   int first_scene = 0, scenes = 100;
   int jobs = 2;
+  int rendered_every = 10;
   int width = 1280, height = 960;
   std::filesystem::path templates = "bench_pose_templates";
   std::filesystem::path records;  // empty: not kept
@@ -27,6 +28,8 @@ inline constexpr const char* kHelp =
     "  --seed S            of the run (default 1)\n"
     "  --scenes N          how many (default 100), of three to five parts each\n"
     "  --first K           the number of the first (default 0): ranges of one seed add up\n"
+    "  --rendered-every N  of N lots of ten scenes one is rendered frame by frame and decoded, its parts settled\n"
+    "                      (default 10; 1 all, 0 none); of the others the codes are cast, by the measured noise law\n"
     "  --records FILE      keep a line a scene here; a run that broke off goes on where it stood\n"
     "  --jobs J            processes (default 2)\n"
     "  --camera WxH        of the virtual camera (default 1280x960)\n"

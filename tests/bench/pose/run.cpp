@@ -24,7 +24,7 @@ class Worker {
       : options_(options), pool_(pool), camera_(pool, options.width, options.height), machine_(limits(options)) {}
 
   SceneRecord run(int k) {
-    const ScenePlan plan = plan_scene(pool_, options_.seed, k);
+    const ScenePlan plan = plan_scene(pool_, options_.seed, k, options_.rendered_every);
     if (plan.loaded != loaded_) {
       std::vector<PartTemplate> templates;
       for (const int index : plan.loaded) templates.push_back(pool_.templates[static_cast<std::size_t>(index)]);
@@ -57,12 +57,11 @@ class Worker {
   std::vector<int> loaded_;
 };
 
-// Runs every jobs-th block of scenes, those of equal templates together, and writes their records to `out`.
+// Runs every jobs-th lot of scenes, those of equal templates together, and writes their records to `out`.
 void work(const Options& options, const PartPool& pool, const std::vector<int>& scenes, int job, FILE* out) {
-  constexpr int kBlock = 10;
   Worker worker(options, pool);
   for (const int k : scenes) {
-    if ((k / kBlock) % options.jobs != job) continue;
+    if ((k / kScenesAlike) % options.jobs != job) continue;
     std::fputs((to_line(worker.run(k)) + "\n").c_str(), out);
     std::fflush(out);
   }

@@ -7,12 +7,12 @@ namespace {
 
 using virtual_cell::Lay;
 
-constexpr int kScenesAlike = 10;
-
-Lay lay_of(SceneKind kind, int number, Random& random) {
+// Settling takes seconds a part: only parts that are rendered frame by frame do.
+Lay lay_of(const ScenePlan& plan, int number, Random& random) {
   const double draw = random.uniform();
-  if (kind == SceneKind::kHeap) return number == 0 ? Lay::kFlat : draw < 0.8 ? Lay::kLeaning : Lay::kAny;
-  if (kind != SceneKind::kApart && number > 0 && draw < 0.45) return Lay::kLeaning;
+  const Lay on_others = plan.rendered ? Lay::kLeaning : Lay::kDropped;
+  if (plan.kind == SceneKind::kHeap) return number == 0 ? Lay::kFlat : draw < 0.8 ? on_others : Lay::kAny;
+  if (plan.kind != SceneKind::kApart && number > 0 && draw < 0.45) return on_others;
   if (draw < 0.75) return Lay::kAny;
   return draw < 0.88 ? Lay::kEdge : Lay::kCut;
 }
@@ -24,7 +24,10 @@ T drawn(const std::vector<T>& from, Random& random) {
 
 // The parts of a scene, in the order in which they are laid.
 std::vector<int> choose_parts(const PartPool& pool, const ScenePlan& plan, Random& random) {
-  const int count = (plan.kind == SceneKind::kApart ? 3 : 4) + static_cast<int>(random.below(2));
+  const int count = (plan.kind == SceneKind::kApart ? 3
+                     : plan.rendered                ? 4
+                                                    : 5) +
+                    static_cast<int>(random.below(plan.rendered ? 2 : 3));
   std::vector<int> chosen;
   for (int i = 0; i < count; ++i) {
     int part = drawn(plan.kind == SceneKind::kMixed ? plan.loaded : std::vector<int>{plan.loaded.front()}, random);
@@ -38,9 +41,10 @@ std::vector<int> choose_parts(const PartPool& pool, const ScenePlan& plan, Rando
 
 }  // namespace
 
-ScenePlan plan_scene(const PartPool& pool, std::uint64_t seed, int k) {
+ScenePlan plan_scene(const PartPool& pool, std::uint64_t seed, int k, int rendered_every) {
   Random alike(seed, 7000 + static_cast<std::uint64_t>(k / kScenesAlike));
   ScenePlan plan;
+  plan.rendered = rendered_every > 0 && k / kScenesAlike % rendered_every == 0;
   const double draw = alike.uniform();
   plan.kind = draw < 0.25   ? SceneKind::kApart
               : draw < 0.50 ? SceneKind::kHeap
@@ -61,7 +65,7 @@ ScenePlan plan_scene(const PartPool& pool, std::uint64_t seed, int k) {
   Random random(plan.scene_seed, 11);
   const std::vector<int> parts = choose_parts(pool, plan, random);
   for (std::size_t i = 0; i < parts.size(); ++i)
-    plan.lays.push_back({lay_of(plan.kind, static_cast<int>(i), random), parts[i]});
+    plan.lays.push_back({lay_of(plan, static_cast<int>(i), random), parts[i]});
   return plan;
 }
 

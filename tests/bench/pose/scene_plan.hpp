@@ -24,10 +24,13 @@ struct ScenePlan {
   SceneKind kind = SceneKind::kApart;
   std::vector<int> loaded;  // indices into the pool's templates
   std::vector<virtual_cell::PartLay> lays;
+  bool rendered = false;  // frame by frame and decoded; else its codes are cast
   std::uint64_t scene_seed = 1;
 };
 
-// Ten scenes in a row have the same templates.
-ScenePlan plan_scene(const PartPool& pool, std::uint64_t seed, int k);
+inline constexpr int kScenesAlike = 10;  // scenes in a row with the same templates
+
+// Every `rendered_every`-th lot of scenes is rendered, and its parts settle; none where it is 0.
+ScenePlan plan_scene(const PartPool& pool, std::uint64_t seed, int k, int rendered_every);
 
 }  // namespace beltpick::bench
