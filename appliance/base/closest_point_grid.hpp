@@ -49,7 +49,11 @@ class ClosestPointGrid {
                     clamped(0)];
   }
 
+  // The same for a cell: x + cells[0] (y + cells[1] z).
+  [[nodiscard]] std::uint16_t at_cell(int cell) const { return nearest_[cell]; }
+
   [[nodiscard]] const GridShape& shape() const { return shape_; }
+  [[nodiscard]] float cells_per_mm() const { return per_cell_; }
 
  private:
   GridShape shape_;

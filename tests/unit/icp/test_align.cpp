@@ -9,6 +9,7 @@
 #include "icp/align.hpp"
 #include "support/scenes/models.hpp"
 #include "support/scenes/scenes.hpp"
+#include "plain_normal_equations.hpp"
 
 using namespace beltpick;
 using namespace beltpick::test;
@@ -56,6 +57,32 @@ TEST_CASE("from half a search step away, alignment ends at the true pose") {
     CHECK(deg_from_rad(d.rotation_rad) < 0.05);
     CHECK(found.inlier_share > 0.9);
     CHECK(found.rms_mm < 0.08);
+  }
+}
+
+TEST_CASE("the kernel's normal equations are those of the plain loop, with either index and any number of points") {
+  const LoadedPart loaded(knuckle());
+  PartModel model = loaded.model();
+  const ClosestPointTree tree(model.surface);
+  const icp::PartPose truth{any_rotation(2), {10.0, 5.0, 700.0}};
+  const auto sample = noisy_sample(model, truth, 333);
+  const auto pose = pushed(truth, model.centre_mm, {2.0, -1.5, 1.0}, {1.0, 2.0, 3.0}, rad_from_deg(3.0));
+  for (const icp::Stage& stage : kStages) {
+    for (const std::size_t count : {1U, 16U, 63U, 64U, 65U, 333U}) {
+      for (const ClosestPointTree* index : {static_cast<const ClosestPointTree*>(nullptr), &tree}) {
+        model.tree = index;
+        const auto some = std::span(sample).first(count);
+        const auto fast = icp::linearise(some, model, pose, stage, {}, 0.0);
+        const auto plain = plain_normal_equations(some, model, pose, stage);
+        INFO("radius " << stage.radius_mm << ", " << count << " points");
+        // A point on the rim of a cell or of the tolerances may fall to either side.
+        CHECK(std::abs(fast.inliers - plain.inliers) <= 1);
+        const double scale = std::max(1.0, plain.information.norm());
+        CHECK((fast.information - plain.information).norm() < 2e-3 * scale);
+        CHECK((fast.gradient - plain.gradient).norm() < 2e-3 * std::max(1.0, plain.gradient.norm()));
+        CHECK(fast.weighted_square == Approx(plain.weighted_square).epsilon(2e-3).margin(1e-3));
+      }
+    }
   }
 }
 
