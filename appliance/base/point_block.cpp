@@ -7,7 +7,8 @@
 namespace beltpick {
 namespace {
 
-BELTPICK_KERNEL void move_steps(const PointBlock& from, const FastMotion& m, std::size_t count, PointBlock& to) {
+BELTPICK_KERNEL void move_steps(const PointBlock& from, const FastMotion& m, std::size_t count,
+                                PointBlock& __restrict to) {
   for (std::size_t i = 0; i < count; i += PointBlock::kLanes) {
     for (std::size_t k = i; k < i + PointBlock::kLanes; ++k) {
       to.x[k] = m.r[0] * from.x[k] + m.r[1] * from.y[k] + m.r[2] * from.z[k] + m.t_mm[0];

@@ -8,6 +8,7 @@
 
 #include "base/closest_point_grid.hpp"
 #include "base/closest_point_tree.hpp"
+#include "base/point_block.hpp"
 #include "base/pose.hpp"
 #include "base/stages.hpp"
 #include "contract/gripper.hpp"
@@ -35,6 +36,7 @@ struct PartModel {
   static constexpr int kViews = 162;  // a twice divided icosahedron: 15 to 18 degrees from view to view
 
   std::span<const OrientedPoint> surface;    // part frame, outward normals
+  std::span<const PointBlock> blocks;        // the same, in order: all full but the last
   std::span<const std::uint16_t> scattered;  // some of their indices, spread at random over the surface
   float spacing_mm = 1.0F;
   Vec3 centre_mm = Vec3::Zero();  // of the bounding box

@@ -75,8 +75,8 @@ struct Rows {
 }
 
 // The pairs of kLanes measured points (`at`, part frame) with the surface points nearest to them.
-[[gnu::always_inline]] inline void add_pairs(const PointBlock& at, const PointBlock& near, const Rule& rule, std::size_t first,
-                      float* __restrict sums) {
+[[gnu::always_inline]] inline void add_pairs(const PointBlock& at, const PointBlock& near, const Rule& rule,
+                                             std::size_t first, float* __restrict sums) {
   Rows rows, rows_beyond;
   for (std::size_t k = 0; k < kLanes; ++k) {
     const std::size_t p = first + k;

@@ -39,6 +39,8 @@ ModelStore::ModelStore(Arena& arena, const Limits& limits) : limits_(limits) {
   for (std::size_t i = 0; i < slots; ++i) {
     const Slot slot{
         arena.take<OrientedPoint>("templates: surface points", static_cast<std::size_t>(limits.template_points)),
+        arena.take<PointBlock>("templates: surface points",
+                               PointBlock::blocks_for(static_cast<std::size_t>(limits.template_points))),
         arena.take<std::uint16_t>("templates: surface points", kScattered),
         arena.take<std::uint16_t>("templates: closest-point grids", static_cast<std::size_t>(limits.grid_cells))};
     if (!arena.measuring()) slots_[i] = slot;
@@ -89,6 +91,9 @@ void ModelStore::fill(const PartTemplate& part, const GripperShape& gripper, Slo
   for (std::size_t i = 0; i < points; ++i) slot.surface[i] = {part.point_mm[i], part.normal[i]};
   scatter(points, slot.scattered);
   model.surface = slot.surface.first(points);
+  model.blocks = slot.blocks.first(PointBlock::blocks_for(points));
+  for (std::size_t i = 0; i < model.blocks.size(); ++i)
+    slot.blocks[i].load(model.surface.subspan(i * PointBlock::kSize));
   model.scattered = slot.scattered;
   model.spacing_mm = static_cast<float>(part.spacing_mm);
   model.box_min_mm = part.box_min_mm;

@@ -33,6 +33,7 @@ class ModelStore {
  private:
   struct Slot {
     std::span<OrientedPoint> surface;
+    std::span<PointBlock> blocks;
     std::span<std::uint16_t> scattered;
     std::span<std::uint16_t> grid;
   };

@@ -172,17 +172,20 @@ void PoseFinder::collect(const Context& context, int model_index, Effort route) 
   } else if (route == Effort::kPlanes) {
     search_by_planes(context, model, pool);
   } else {
-    const auto sample = this->sample().first(std::min(sample_count_, kSearchSample));
-    search::search_views({model, sample, static_cast<float>(coarse_radius_mm(model))}, pool);
+    search::search_views(search_input(model), pool);
   }
   shortlist(context, model_index, route, pool);
+}
+
+search::SearchInput PoseFinder::search_input(const PartModel& model) const {
+  const search::SearchSample sample(this->sample().first(std::min(sample_count_, kSearchSample)));
+  return {model, sample, static_cast<float>(coarse_radius_mm(model))};
 }
 
 void PoseFinder::search_by_primitives(const Context& context, const PartModel& model, search::HypothesisPool& pool) {
   std::array<Primitive, kMaxPrimitivesFound> found;
   const int count = find_primitives(context, model, found);
-  const auto sample = this->sample().first(std::min(sample_count_, kSearchSample));
-  const search::SearchInput input{model, sample, static_cast<float>(coarse_radius_mm(model))};
+  const search::SearchInput input = search_input(model);
   for (const Primitive& primitive : std::span(found).first(static_cast<std::size_t>(count))) {
     tell_found(context, model, primitive);
     for (const Primitive& taught : model.taught()) search::search_from_primitive(input, taught, primitive, pool);
@@ -195,8 +198,7 @@ void PoseFinder::search_by_planes(const Context& context, const PartModel& model
   const auto face = finder_.find(sample(), query_for(context.scene, PrimitiveKind::kPlane, kLeastFaceShare), random);
   if (!face) return;
   tell_found(context, model, *face);
-  const auto sample = this->sample().first(std::min(sample_count_, kSearchSample));
-  const search::SearchInput input{model, sample, static_cast<float>(coarse_radius_mm(model))};
+  const search::SearchInput input = search_input(model);
   for (const Primitive& taught : model.taught()) search::search_from_primitive(input, taught, *face, pool);
 }
 

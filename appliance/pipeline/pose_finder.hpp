@@ -14,6 +14,7 @@
 #include "primitives/msac.hpp"
 #include "result/drawing.hpp"
 #include "result/scene.hpp"
+#include "search/from_primitive.hpp"
 #include "search/hypothesis_pool.hpp"
 
 namespace beltpick::pipeline {
@@ -49,6 +50,7 @@ class PoseFinder {
   Attempt try_routes(const Context& context);
   Attempt try_neighbourhoods(const Context& context);
   void collect(const Context& context, int model_index, Effort route);
+  [[nodiscard]] search::SearchInput search_input(const PartModel& model) const;
   void search_by_primitives(const Context& context, const PartModel& model, search::HypothesisPool& pool);
   void search_by_planes(const Context& context, const PartModel& model, search::HypothesisPool& pool);
   void tell_found(const Context& context, const PartModel& model, const Primitive& found);

@@ -3,12 +3,66 @@
 #include <algorithm>
 #include <cmath>
 
-#include "contract/lens_project.hpp"
+#include "base/kernel.hpp"
 
 namespace beltpick::result {
 namespace {
 
 constexpr float kLeastCosine = 0.2F;
+constexpr float kFacing = 0.02F;  // cosine from which on a surface is drawn at all
+
+// The lens's plain numbers, as contract/lens_project.hpp uses them.
+struct Optics {
+  float fx, fy, cx, cy, k1, k2, p1, p2, k3;
+  float left, right, top, bottom;  // of the field: see in_field()
+  float spacing_mm;
+
+  Optics(const Lens& lens, float spacing)
+      : fx(static_cast<float>(lens.fx_px)),
+        fy(static_cast<float>(lens.fy_px)),
+        cx(static_cast<float>(lens.cx_px)),
+        cy(static_cast<float>(lens.cy_px)),
+        k1(static_cast<float>(lens.distortion[0])),
+        k2(static_cast<float>(lens.distortion[1])),
+        p1(static_cast<float>(lens.distortion[2])),
+        p2(static_cast<float>(lens.distortion[3])),
+        k3(static_cast<float>(lens.distortion[4])),
+        left(-0.25F * static_cast<float>(lens.width)),
+        right(1.25F * static_cast<float>(lens.width)),
+        top(-0.25F * static_cast<float>(lens.height)),
+        bottom(1.25F * static_cast<float>(lens.height)),
+        spacing_mm(spacing) {}
+};
+
+// What the camera sees of the points of a block.
+struct Seen {
+  alignas(64) PointBlock::Row column_px, row_px, cosine, own_mm;
+  alignas(64) std::array<int, PointBlock::kSize> front;  // 1 where the point is to be drawn
+};
+
+// The image of points in the camera frame: project() and in_field() of contract/lens_project.hpp, sixteen at a time.
+BELTPICK_KERNEL void look_at(const PointBlock& at, const Optics& o, std::size_t count, Seen& __restrict seen) {
+  for (std::size_t i = 0; i < count; i += PointBlock::kLanes) {
+    for (std::size_t k = i; k < i + PointBlock::kLanes; ++k) {
+      const float away = -(at.nx[k] * at.x[k] + at.ny[k] * at.y[k] + at.nz[k] * at.z[k]);
+      const float distance = std::sqrt(at.x[k] * at.x[k] + at.y[k] * at.y[k] + at.z[k] * at.z[k]);
+      const float cosine = away / distance;
+      const float x = at.x[k] / at.z[k], y = at.y[k] / at.z[k];
+      const float straight_column = o.fx * x + o.cx, straight_row = o.fy * y + o.cy;
+      const float r2 = x * x + y * y;
+      const float radial = 1.0F + r2 * (o.k1 + r2 * (o.k2 + r2 * o.k3));
+      seen.column_px[k] = o.fx * (x * radial + 2.0F * o.p1 * x * y + o.p2 * (r2 + 2.0F * x * x)) + o.cx;
+      seen.row_px[k] = o.fy * (y * radial + o.p1 * (r2 + 2.0F * y * y) + 2.0F * o.p2 * x * y) + o.cy;
+      seen.cosine[k] = cosine;
+      const float sine2 = 1.0F - cosine * cosine;
+      seen.own_mm[k] = o.spacing_mm * (1.0F + 2.0F * std::sqrt(sine2 > 0.0F ? sine2 : 0.0F) / cosine);
+      const int drawn = (at.z[k] > 1.0F ? 1 : 0) & (cosine > kFacing ? 1 : 0) & (straight_column > o.left ? 1 : 0) &
+                        (straight_column < o.right ? 1 : 0) & (straight_row > o.top ? 1 : 0) &
+                        (straight_row < o.bottom ? 1 : 0);
+      seen.front[k] = drawn;
+    }
+  }
+}
 
 }  // namespace
 
@@ -31,21 +85,29 @@ void Drawing::draw(const PartModel& model, const PartPose& T_camera_part, const 
   if (front_count_ == 0) return;
   lay_out(model, lens);
   splat(model.spacing_mm, lens);
-  keep_visible(model.spacing_mm, lens);
+  keep_visible(lens);
 }
 
 void Drawing::project_front(const PartModel& model, const PartPose& T_camera_part, const Lens& lens) {
-  const Eigen::Matrix3f rotation = T_camera_part.rotation.cast<float>();
-  const Vec3f translation = T_camera_part.translation_mm.cast<float>();
+  const FastMotion motion(T_camera_part);
+  const Optics optics(lens, model.spacing_mm);
   front_count_ = 0;
-  for (const OrientedPoint& surface : model.surface) {
-    const Vec3f point = rotation * surface.point_mm + translation;
-    if (point.z() <= 1.0F) continue;
-    const Vec3f normal = rotation * surface.normal;
-    const float cosine = -normal.dot(point) / point.norm();
-    if (cosine <= 0.02F || !in_field(lens, point.cast<double>())) continue;
-    const PixelPosition at = project(lens, point.cast<double>());
-    front_[front_count_++] = {point, normal, static_cast<float>(at.column_px), static_cast<float>(at.row_px), cosine};
+  PointBlock at;
+  Seen seen;
+  for (std::size_t block = 0; block < model.blocks.size(); ++block) {
+    const auto count =
+        static_cast<int>(std::min<std::size_t>(PointBlock::kSize, model.surface.size() - block * PointBlock::kSize));
+    move_points(model.blocks[block], motion, count, at);
+    look_at(at, optics, static_cast<std::size_t>(PointBlock::whole_steps(count)), seen);
+    for (std::size_t k = 0; k < static_cast<std::size_t>(count); ++k) {
+      if (seen.front[k] == 0) continue;
+      front_[front_count_++] = {{at.x[k], at.y[k], at.z[k]},
+                                {at.nx[k], at.ny[k], at.nz[k]},
+                                seen.column_px[k],
+                                seen.row_px[k],
+                                seen.cosine[k],
+                                seen.own_mm[k]};
+    }
   }
 }
 
@@ -99,16 +161,13 @@ void Drawing::splat(double spacing_mm, const Lens& lens) {
   }
 }
 
-void Drawing::keep_visible(double spacing_mm, const Lens& lens) {
+void Drawing::keep_visible(const Lens& lens) {
   const float cells_per_px = 1.0F / static_cast<float>(factor_);
   for (const Projected& p : front_.first(front_count_)) {
     if (p.cosine < kLeastCosine) continue;
     const int row = static_cast<int>((p.row_px - static_cast<float>(row_px_)) * cells_per_px);
     const int col = static_cast<int>((p.column_px - static_cast<float>(column_px_)) * cells_per_px);
-    // Within a cell and a splat a leaning surface changes its own depth by this much.
-    const float slope = std::sqrt(1.0F - p.cosine * p.cosine) / p.cosine;
-    const float own_mm = static_cast<float>(spacing_mm) * (1.0F + 2.0F * slope);
-    if (!depth_.contains(row, col) || p.point_mm.z() > depth_(row, col) + own_mm) continue;
+    if (!depth_.contains(row, col) || p.point_mm.z() > depth_(row, col) + p.own_mm) continue;
     const bool in_image = p.column_px >= 0.0F && p.row_px >= 0.0F &&
                           p.column_px <= static_cast<float>(lens.width - 1) &&
                           p.row_px <= static_cast<float>(lens.height - 1);

@@ -58,11 +58,12 @@ class Drawing {
     Vec3f normal;
     float column_px, row_px;
     float cosine;
+    float own_mm;  // by so much the surface changes its own depth within a cell and a splat
   };
   void project_front(const PartModel& model, const PartPose& T_camera_part, const Lens& lens);
   void lay_out(const PartModel& model, const Lens& lens);
   void splat(double spacing_mm, const Lens& lens);
-  void keep_visible(double spacing_mm, const Lens& lens);
+  void keep_visible(const Lens& lens);
 
   std::span<Projected> front_;
   std::size_t front_count_ = 0;

@@ -13,8 +13,8 @@ namespace beltpick::search {
 // What every way of searching needs.
 struct SearchInput {
   const PartModel& model;
-  std::span<const OrientedPoint> sample;  // of the object, camera frame, about 100 points
-  float cap_mm;                           // of the distances in Q
+  SearchSample sample;  // of the object, about 100 points
+  float cap_mm;         // of the distances in Q
 };
 
 // Assumes that `found` (camera frame) is the part's `taught` primitive (part frame) and tries what is then still free:

@@ -130,9 +130,7 @@ void compute_views(PartModel& model) {
 }
 
 int search_views(const SearchInput& input, HypothesisPool& pool) {
-  Vec3f sum = Vec3f::Zero();
-  for (const OrientedPoint& measured : input.sample) sum += measured.point_mm;
-  const Vec3 centroid = (sum / static_cast<float>(input.sample.size())).cast<double>();
+  const Vec3& centroid = input.sample.centroid_mm();
   const Vec3 sight = centroid.normalized();
   for (const PartView& view : input.model.views) {
     for (int turn = 0; turn < kTurns; ++turn) {

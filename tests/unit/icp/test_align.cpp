@@ -7,9 +7,9 @@
 #include "base/units.hpp"
 #include "contract/pose_difference.hpp"
 #include "icp/align.hpp"
+#include "plain_normal_equations.hpp"
 #include "support/scenes/models.hpp"
 #include "support/scenes/scenes.hpp"
-#include "plain_normal_equations.hpp"
 
 using namespace beltpick;
 using namespace beltpick::test;

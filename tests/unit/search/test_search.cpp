@@ -52,7 +52,7 @@ TEST_CASE("with a matched cylinder the search comes near the true pose") {
   const auto sample = seen_sample(model, truth);
   std::vector<Hypothesis> storage(400);
   search::HypothesisPool pool(storage);
-  const search::SearchInput input{model, sample, 12.0F};
+  const search::SearchInput input{model, search::SearchSample(sample), 12.0F};
   REQUIRE(search::search_from_primitive(input, model.primitives[0], found, pool) > 200);
   const PoseDifference d = best_of(pool, model, truth);
   CHECK(d.translation_mm < 4.0);
@@ -82,7 +82,7 @@ TEST_CASE("without a primitive the view search comes near the true pose") {
     const auto sample = seen_sample(loaded.model(), truth);
     std::vector<Hypothesis> storage(400);
     search::HypothesisPool pool(storage);
-    search::search_views({loaded.model(), sample, static_cast<float>(0.08 * loaded.model().diagonal_mm)}, pool);
+    search::search_views({loaded.model(), search::SearchSample(sample), static_cast<float>(0.08 * loaded.model().diagonal_mm)}, pool);
     const PoseDifference d = best_of(pool, loaded.model(), truth);
     INFO(shape.name);
     CHECK(d.translation_mm < 0.12 * loaded.model().diagonal_mm);
