@@ -186,7 +186,7 @@ RowScratch::RowScratch(Arena& arena, int cols) {
   for (auto& row : amplitude8) take(row, count);
   take(mean8, count);
   take(half8, count);
-  take(bits, kMaxGrayBits * bit_row_bytes(cols) + 8);  // cells_row() reads whole words
+  take(bits, kMaxGrayBits * bit_row_bytes(cols) + kBitRowsReadAhead);
   take(level, count);
   take(reach, count);
   take(cell, count);

@@ -6,6 +6,7 @@
 #include <span>
 
 #include "decode/fold_kernels.hpp"
+#include "decode/gray_cells.hpp"
 #include "decode/plan.hpp"
 
 namespace beltpick::decode {
@@ -19,12 +20,12 @@ class PlaneStore {
   explicit PlaneStore(std::span<std::byte> memory) : memory_(memory) {}
 
   // Bytes that a plan with `state_bytes` a pixel takes at most, alignment of every plane and of the rows of two Gray
-  // codes included.
+  // codes included, and what is read beyond the last.
   static std::size_t bytes_for(int rows, int cols, int state_bytes) {
     constexpr std::size_t kRowPadding = 2 * 16 * bit_row_bytes(1);
     return static_cast<std::size_t>(rows) *
                (static_cast<std::size_t>(cols) * static_cast<std::size_t>(state_bytes) + kRowPadding) +
-           kMaxPlanes * kAlignment;
+           kMaxPlanes * kAlignment + kBitRowsReadAhead;
   }
 
   // False where the planes do not fit.
@@ -36,7 +37,7 @@ class PlaneStore {
       const std::size_t bytes = planes_[p].row_bytes * static_cast<std::size_t>(rows);
       at += (bytes + kAlignment - 1) / kAlignment * kAlignment;
     }
-    return at <= memory_.size();
+    return at + kBitRowsReadAhead <= memory_.size();
   }
 
   // Row `row` of plane `plane`; null for kNone.
