@@ -125,6 +125,10 @@ void visit_settings(Settings& s, Visitor& visit) {
   visit.integer("limits.image_width", s.limits.image_width, 16, 16384, "pixels of the camera");
   visit.integer("limits.image_height", s.limits.image_height, 16, 16384, "");
   visit.integer("limits.frames", s.limits.frames, 3, 512, "of one sequence");
+  visit.integer("limits.decode_bytes", s.limits.decode_bytes, 8, 1024,
+                "a pixel, to decode with: 16 for one exposure of fast, standard or robust, 20 for two or for micro, 28 "
+                "for three; `beltpick patterns --explain` tells others");
+  visit.flag("limits.code_rows", s.limits.code_rows, "room for sequences that code projector rows, too");
   visit.integer("limits.templates", s.limits.templates, 1, 64, "of one recipe");
   visit.integer("limits.template_points", s.limits.template_points, 1000, 65535, "of one template");
   visit.integer("limits.grid_cells", s.limits.grid_cells, 10'000, 100'000'000, "of one template's closest-point grid");

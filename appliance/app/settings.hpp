@@ -75,7 +75,8 @@ struct Settings {
   int service_idle_s = 10;
 
   GripperShape gripper;
-  Limits limits{.templates = 2};  // what a cell needs mostly; each more takes 12 MB
+  // What a cell needs mostly, HDR of three exposures included; each template more takes 26 MB.
+  Limits limits{.frames = 48, .decode_bytes = 28, .templates = 2};
 
   std::string record_folder;
   bool record_pictures = true;

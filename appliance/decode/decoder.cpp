@@ -62,16 +62,25 @@ Result<void> check_fit(const FoldPlan& plan, const DecoderLimits& limits, int ro
     return failure(ResultCode::kLimitExceeded, "images of %dx%d exceed the declared %dx%d", cols, rows, limits.cols,
                    limits.rows);
   }
-  if (plan.state_bytes(pixel_bytes) > limits.state_bytes || plan.planes.size() > PlaneStore::kMaxPlanes) {
-    return failure(ResultCode::kLimitExceeded, "the sequence needs %d bytes a pixel to decode; declared are %d",
-                   plan.state_bytes(pixel_bytes), limits.state_bytes);
+  if (plan.planes.size() > PlaneStore::kMaxPlanes) {
+    return failure(ResultCode::kLimitExceeded,
+                   "the sequence takes %zu images to decode, expected at most %zu; take it at fewer exposures",
+                   plan.planes.size(), PlaneStore::kMaxPlanes);
+  }
+  if (plan.state_bytes(pixel_bytes) > limits.state_bytes) {
+    return failure(ResultCode::kLimitExceeded,
+                   "the sequence takes %d bytes a pixel to decode, declared are %d; set limits.decode_bytes = %d",
+                   plan.state_bytes(pixel_bytes), limits.state_bytes, plan.state_bytes(pixel_bytes));
   }
   if (static_cast<int>(plan.frames.size()) > limits.frames) {
-    return failure(ResultCode::kLimitExceeded, "the sequence has %zu frames; declared are %d", plan.frames.size(),
-                   limits.frames);
+    return failure(ResultCode::kLimitExceeded, "the sequence has %zu frames, declared are %d; set limits.frames = %zu",
+                   plan.frames.size(), limits.frames, plan.frames.size());
   }
   if ((plan.codes(Axis::kColumn) && !limits.codes_columns) || (plan.codes(Axis::kRow) && !limits.codes_rows)) {
-    return failure(ResultCode::kLimitExceeded, "the sequence codes an axis that the declared limits leave out");
+    return failure(ResultCode::kLimitExceeded,
+                   "the sequence codes projector %s, which the declared limits leave out; set limits.code_rows = "
+                   "true, or choose another sequence",
+                   plan.codes(Axis::kRow) && !limits.codes_rows ? "rows" : "columns");
   }
   return {};
 }

@@ -100,6 +100,7 @@ address = "127.0.0.1"
 port = $port
 [limits]
 frames = 22
+decode_bytes = 16
 templates = 2
 [record]
 folder = "$run/pictures"

@@ -3,6 +3,7 @@
     run_cell.py setup BIN WORK                    makes calibration, part and template once
     run_cell.py run BIN WORK --parts N [--fault NAME[@STOP]]... [--board emulated|host] [--seed S] [--picked LEAST]
                 [--switch NAME --told TEXT]             breaks it after the first stop until beltpickd's log has TEXT
+                [--sequence NAME] [--exposures-us A,B,..]   of the patterns command, in place of standard at one exposure
 
 Fails unless the belt was finished, nothing crashed, nothing was unsafe, and each fault was answered by its own result
 code and recovered from, and something was picked at the next stop.
@@ -59,16 +60,32 @@ def end(process):
         sys.exit("a process did not end on SIGTERM")
 
 
+def other_sequence(bin_folder, cell, run, options):
+    """The sequence of the options and its recipe, in `run`; those of the cell where none is asked for."""
+    if not options.sequence:
+        return cell / "sequence.json", cell / "recipe.json"
+    command = [bin_folder / "beltpick", "patterns", "--projector", "912x1140", "--sequence", options.sequence,
+               "--out", run / "patterns"]
+    exposures = ["--exposures-us", options.exposures_us] if options.exposures_us else []
+    subprocess.run([str(word) for word in command + exposures], check=True)
+    recipe = RECIPE | {"sequence": options.sequence, "period_us": 0, "templates": [str(cell / "knuckle.template")]}
+    if options.exposures_us:
+        recipe["exposures_us"] = [float(each) for each in options.exposures_us.split(",")]
+    (run / "recipe.json").write_text(json.dumps(recipe))
+    return run / "patterns" / "sequence.json", run / "recipe.json"
+
+
 def run_cell(bin_folder, cell, options):
-    run = cell.parent / f"run-{options.board}-{options.fault[0] if options.fault else 'none'}"
+    run = cell.parent / f"run-{options.board}-{options.fault[0] if options.fault else options.sequence or 'none'}"
     shutil.rmtree(run, ignore_errors=True)
     run.mkdir(parents=True)
+    sequence, recipe = other_sequence(bin_folder, cell, run, options)
     camera, port = free_camera_address(8), free_port()
     (run / "beltpickd.toml").write_text(cell_config(
         cell, run, camera, port, trigger={"strobe_tolerance_us": 2000}, plc={"timeout_ms": 1500},
-        record={"summary": run / "summary.json"}))
+        model={"recipes": [str(recipe)]}, record={"summary": run / "summary.json"}))
     world_command = [bin_folder / "beltpick", "simulate", "--live", "--rig", cell / "rig.toml", "--part", "knuckle",
-                     "--parts", options.parts, "--seed", options.seed, "--sequence", cell / "sequence.json",
+                     "--parts", options.parts, "--seed", options.seed, "--sequence", sequence,
                      "--plc", f"127.0.0.1:{port}", "--camera-address", camera, "--trigger", run / "trigger",
                      "--board", options.board, "--report", run / "report.json", "--speed", 5, "--linger", 30]
     if options.switch:
@@ -170,6 +187,8 @@ def main():
     parser.add_argument("--board", default="host")
     parser.add_argument("--switch", default="")
     parser.add_argument("--told", default="")
+    parser.add_argument("--sequence", default="")
+    parser.add_argument("--exposures-us", default="")
     parser.add_argument("--timeout", type=float, default=100)
     options = parser.parse_args()
     cell = options.work / "cell"

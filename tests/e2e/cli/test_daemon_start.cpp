@@ -24,9 +24,9 @@ struct Site {
     (void)folder.file("recipe.json", kRecipe);
   }
 
-  // `config` and the limits of the workshop's small camera.
-  [[nodiscard]] Outcome check(const std::string& config) const {
-    const std::string whole = config + "\n[limits]\nimage_width = 160\nimage_height = 120\n";
+  // `config` and the limits of the workshop's small camera, and `limits`.
+  [[nodiscard]] Outcome check(const std::string& config, const std::string& limits = "") const {
+    const std::string whole = config + "\n[limits]\nimage_width = 160\nimage_height = 120\n" + limits;
     return run_program("beltpickd", "--check --config " + folder.file("beltpickd.toml", whole).string());
   }
 };
@@ -69,6 +69,25 @@ TEST_CASE("Wrong keys and values are named with their line", "[daemon]") {
   const Outcome misspelt = site.check("[plc]\nprot = 1502\n");
   CHECK(misspelt.exit_code == 0);
   CHECK((misspelt.out + misspelt.err).find("plc.prot") != std::string::npos);
+}
+
+TEST_CASE("A sequence that exceeds the declared limits names the limit and what it takes", "[daemon]") {
+  const auto with = [](const std::string& members, const std::string& limits) {
+    const Site site;
+    auto recipe = nlohmann::json::parse(kRecipe);
+    recipe.update(nlohmann::json::parse(members));
+    (void)site.folder.file("recipe.json", recipe.dump());
+    return site.check("", limits);
+  };
+  const std::string hdr = R"({"sequence": "standard", "exposures_us": [2000, 8000, 20000], "period_us": 0})";
+  const std::string micro = R"({"sequence": "micro"})";
+  const std::string both = R"({"axes": "both", "sequence": "fast"})";
+  for (const std::string& recipe : {hdr, micro}) CHECK(with(recipe, "").exit_code == 0);
+  refused(with(hdr, "decode_bytes = 16\n"), "set limits.decode_bytes = ");
+  refused(with(hdr, "frames = 22\n"), "limits.frames");
+  refused(with(micro, "decode_bytes = 12\n"), "set limits.decode_bytes = ");
+  refused(with(both, ""), "set limits.code_rows = true");
+  CHECK(with(both, "code_rows = true\n").exit_code == 0);
 }
 
 TEST_CASE("Model files that are missing, damaged or of another rig are named", "[daemon]") {
