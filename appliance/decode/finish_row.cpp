@@ -16,8 +16,9 @@ namespace {
 // Five standard deviations of phase noise stay within the eighth of a period that a complementary Gray code leaves
 // between a border of its cells and the phase that would contradict it: amplitude / noise >= 5 / (pi / 4).
 constexpr float kLeastPhaseSigmas = 6.4F;
-// A fringe must also tell its place to 0.18 of a projector pixel (some 0.16 mm), unless that asks for much more.
-constexpr double kMostNoisePx = 0.18;
+// A fringe must also tell its place to 0.14 of a projector pixel (some 0.14 mm), unless that asks for much more: of
+// points at that limit one in 5,000 is off by half a millimetre, by noise alone.
+constexpr double kMostNoisePx = 0.14;
 constexpr float kAmplePhaseSigmas = 16.0F;
 // Where only the mean of the fringes is known, light is there if a fringe of this share of it would be measured.
 constexpr float kLeastContrast = 0.25F;
