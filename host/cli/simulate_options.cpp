@@ -68,7 +68,7 @@ void add_simulate_options(CLI::App& app, SimulateOptions& options) {
                  "paper:1..12, belt, bare, plane (of the belt, or --height-mm, --tilt-deg); calibration: plate, "
                  "plate-on-belt; known shapes: planes (spread by seed), sphere (a ball bar), steps (default belt)");
   app.add_option("--part", options.parts,
-                 "knuckle, elbow, bracket, vblock or a mesh file; repeat to mix (default knuckle)");
+                 "knuckle, elbow, bracket, vblock, balljoint, sheet or a mesh file; repeat to mix (default knuckle)");
   app.add_option("--mm-per-unit", options.mm_per_unit, "of mesh files (default 1)")->check(CLI::Range(1e-6, 1e6));
   app.add_option("--parts", options.parts_in_view,
                  "parts in view of a belt (default 3); live: on the belt (default 24)")

@@ -1,4 +1,6 @@
 // The built-in parts with their symmetries and grasps, and parts from files.
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <fstream>
 
@@ -13,6 +15,7 @@ namespace beltpick::virtual_cell {
 namespace {
 
 constexpr double kCellMm = 1.4;
+constexpr double kSheetCellMm = 1.0;  // of a sheet of 2.5 mm
 
 Grasp grasp(std::string name, const Vec3& at_mm, const Vec3& approach, const Vec3& closing, double opening_mm) {
   return {std::move(name), contract_io::gripper_pose(at_mm, approach, closing), opening_mm};
@@ -58,15 +61,44 @@ std::vector<Grasp> vblock_grasps() {
           grasp("web", {4.0, 0.0, 36.0}, -Vec3::UnitZ(), Vec3::UnitX(), 24.0)};
 }
 
+// Round the shank from all four sides, and the stud.
+std::vector<Grasp> balljoint_grasps() {
+  std::vector<Grasp> grasps;
+  for (const double sign : {1.0, -1.0}) {
+    const std::string side = sign > 0 ? "1" : "2";
+    grasps.push_back(grasp("shank-above-" + side, {64.0, 0.0, 0.0}, {0.0, 0.0, -sign}, Vec3::UnitY(), 34.0));
+    grasps.push_back(grasp("shank-beside-" + side, {64.0, 0.0, 0.0}, {0.0, -sign, 0.0}, Vec3::UnitZ(), 34.0));
+    grasps.push_back(grasp("stud-" + side, {0.0, 0.0, 48.0}, {0.0, -sign, 0.0}, Vec3::UnitX(), 28.0));
+  }
+  return grasps;
+}
+
+std::vector<Grasp> sheet_grasps() {
+  return {grasp("flange", {-53.75, 0.0, 18.0}, -Vec3::UnitZ(), Vec3::UnitX(), 16.0),
+          grasp("tab", {15.0, 33.75, 11.0}, -Vec3::UnitZ(), Vec3::UnitY(), 16.0),
+          grasp("end", {50.0, 8.0, 1.25}, -Vec3::UnitX(), Vec3::UnitZ(), 16.0),
+          grasp("side", {8.0, -30.0, 1.25}, Vec3::UnitY(), Vec3::UnitZ(), 16.0)};
+}
+
 // Half a turn about the bisector of the two flanges.
 Pose<frame::Part, frame::Part> elbow_half_turn() {
   const Vec3 bisector = Vec3(1.0, 1.0, 0.0).normalized();
   return {Eigen::AngleAxisd(kPi, bisector).toRotationMatrix(), Vec3::Zero()};
 }
 
-Result<ScenePart> meshed(const std::string& name, const SignedDistance& solid, const Eigen::AlignedBox3d& box) {
-  return make_part(name, mesh_of_solid(solid, box, kCellMm));
-}
+struct Builtin {
+  const char* name;
+  double (*distance)(const Vec3&);
+  Eigen::AlignedBox3d (*box)();
+  std::vector<Grasp> (*grasps)();
+  double cell_mm = kCellMm;
+};
+constexpr std::array kBuiltins{Builtin{"knuckle", knuckle_distance, knuckle_box, knuckle_grasps},
+                               Builtin{"elbow", elbow_distance, elbow_box, elbow_grasps},
+                               Builtin{"bracket", bracket_distance, bracket_box, bracket_grasps},
+                               Builtin{"vblock", vblock_distance, vblock_box, vblock_grasps},
+                               Builtin{"balljoint", balljoint_distance, balljoint_box, balljoint_grasps},
+                               Builtin{"sheet", sheet_distance, sheet_box, sheet_grasps, kSheetCellMm}};
 
 void write_vector(std::ostream& out, const char* member, const Vec3& v) {
   out << member << " = [" << v.x() << ", " << v.y() << ", " << v.z() << "]\n";
@@ -93,31 +125,25 @@ Result<void> write_grasps(const ScenePart& part, const std::filesystem::path& fi
 
 }  // namespace
 
-std::vector<std::string> builtin_part_names() { return {"knuckle", "elbow", "bracket", "vblock"}; }
+std::vector<std::string> builtin_part_names() {
+  std::vector<std::string> names;
+  for (const Builtin& builtin : kBuiltins) names.emplace_back(builtin.name);
+  return names;
+}
 
 Result<ScenePart> builtin_part(const std::string& name) {
-  if (name == "knuckle") {
-    auto part = meshed(name, knuckle_distance, knuckle_box());
-    if (part) part->grasps = knuckle_grasps();
-    return part;
+  const auto* builtin =
+      std::find_if(kBuiltins.begin(), kBuiltins.end(), [&](const Builtin& b) { return name == b.name; });
+  if (builtin == kBuiltins.end()) {
+    std::string known;
+    for (const Builtin& b : kBuiltins) known += std::string(b.name) + ", ";
+    return failure(ResultCode::kUsage, "part %s: expected %sor a mesh file", name.c_str(), known.c_str());
   }
-  if (name == "elbow") {
-    auto part = meshed(name, elbow_distance, elbow_box());
-    if (part) part->symmetries = {elbow_half_turn()};
-    if (part) part->grasps = elbow_grasps();
-    return part;
-  }
-  if (name == "bracket") {
-    auto part = meshed(name, bracket_distance, bracket_box());
-    if (part) part->grasps = bracket_grasps();
-    return part;
-  }
-  if (name == "vblock") {
-    auto part = meshed(name, vblock_distance, vblock_box());
-    if (part) part->grasps = vblock_grasps();
-    return part;
-  }
-  return failure(ResultCode::kUsage, "part %s: expected knuckle, elbow, bracket, vblock or a mesh file", name.c_str());
+  auto part = make_part(name, mesh_of_solid(builtin->distance, builtin->box(), builtin->cell_mm));
+  if (!part) return part;
+  part->grasps = builtin->grasps();
+  if (name == "elbow") part->symmetries = {elbow_half_turn()};
+  return part;
 }
 
 ScenePart mirrored(const ScenePart& part, std::string name) {

@@ -134,4 +134,34 @@ double vblock_distance(const Vec3& p) {
 
 Eigen::AlignedBox3d vblock_box() { return {Vec3(-61.0, -36.0, -1.0), Vec3(61.0, 36.0, 45.0)}; }
 
+double balljoint_distance(const Vec3& p) {
+  const double housing = p.norm() - 21.0;
+  const double cap = cylinder_z(p + Vec3(0.0, 0.0, 16.0), 17.0, 6.0, 1.5);
+  const double boot = tapered_bar(p, {0.0, 0.0, 14.0}, {0.0, 0.0, 28.0}, 15.0, 9.5, 1.0);
+  const double stud = cylinder_z(p - Vec3(0.0, 0.0, 42.0), 7.0, 21.0, 1.0);
+  const double shank = cylinder_x(p - Vec3(52.0, 0.0, 0.0), 10.0, 38.0, 1.5);
+  const double collar = cylinder_x(p - Vec3(32.0, 0.0, 0.0), 14.0, 7.0, 1.0);
+  double solid = join(join(housing, cap, 3.0), boot, 3.0);
+  solid = join(solid, stud, 2.0);
+  solid = join(solid, join(shank, collar, 2.0), 5.0);
+  return cut(solid, cylinder_x(p - Vec3(85.0, 0.0, 0.0), 6.0, 25.0, 0.3), 1.0);
+}
+
+Eigen::AlignedBox3d balljoint_box() { return {Vec3(-22.0, -22.0, -23.0), Vec3(91.0, 22.0, 64.0)}; }
+
+double sheet_distance(const Vec3& p) {
+  constexpr double kHalf = 1.25;
+  const double base = box(p - Vec3(0.0, 0.0, kHalf), {55.0, 35.0, kHalf}, 0.4);
+  const double flange = box(p - Vec3(-55.0 + kHalf, 0.0, 12.0), {kHalf, 35.0, 12.0}, 0.4);
+  const double tab = box(p - Vec3(15.0, 35.0 - kHalf, 8.0), {22.0, kHalf, 8.0}, 0.4);
+  double solid = join(join(base, flange, 2.0), tab, 2.0);
+  const double corner = (p.x() - p.y() - 68.0) * std::sqrt(0.5);  // cut off at 45 degrees
+  solid = std::max(solid, corner);
+  solid = std::max(solid, -cylinder_z(p - Vec3(-27.0, 12.0, 0.0), 7.0, 20.0, 0.2));
+  solid = std::max(solid, -cylinder_z(p - Vec3(32.0, 10.0, 0.0), 4.0, 20.0, 0.2));
+  return std::max(solid, -box(p - Vec3(0.0, -14.0, 0.0), {18.0, 4.0, 10.0}, 3.9));
+}
+
+Eigen::AlignedBox3d sheet_box() { return {Vec3(-56.0, -36.0, -1.0), Vec3(56.0, 36.0, 25.0)}; }
+
 }  // namespace beltpick::virtual_cell

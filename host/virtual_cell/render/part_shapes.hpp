@@ -27,4 +27,13 @@ Eigen::AlignedBox3d bracket_box();
 double vblock_distance(const Vec3& point_mm);
 Eigen::AlignedBox3d vblock_box();
 
+// A tie rod's end: the housing of a ball joint with its tapered stud (axis z) and a shank with a bore (axis x). A
+// mirror leaves it as it is (y -> -y); no turn does.
+double balljoint_distance(const Vec3& point_mm);
+Eigen::AlignedBox3d balljoint_box();
+
+// A stamped and bent sheet of 2.5 mm: base, flange and tab, a cut corner, two unlike holes and a slot. No symmetry.
+double sheet_distance(const Vec3& point_mm);
+Eigen::AlignedBox3d sheet_box();
+
 }  // namespace beltpick::virtual_cell

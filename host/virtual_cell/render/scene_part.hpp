@@ -39,7 +39,7 @@ struct ScenePart {
 // no volume or is of no size that a belt carries (5 mm to 2 m).
 Result<ScenePart> make_part(std::string name, Mesh mesh);
 
-// The built-in parts "knuckle", "elbow" and "bracket". Errors: kUsage for another name.
+// The built-in parts of builtin_part_names(). Errors: kUsage for another name.
 Result<ScenePart> builtin_part(const std::string& name);
 std::vector<std::string> builtin_part_names();
 

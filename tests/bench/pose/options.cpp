@@ -31,6 +31,8 @@ void take(Options& options, const std::string& name, const std::string& value) {
     options.jobs = number<int>(name, value);
   } else if (name == "--rendered-every") {
     options.rendered_every = number<int>(name, value);
+  } else if (name == "--explain") {
+    options.explain = value;
   } else if (name == "--templates") {
     options.templates = value;
   } else if (name == "--scene") {
@@ -66,6 +68,7 @@ Options read_options(int argc, char** argv) {
     take(options, name, argv[++i]);
   }
   if (options.scene) options.first_scene = *options.scene, options.scenes = options.jobs = 1;
+  if (!options.explain.empty() && !options.scene) throw std::runtime_error("--explain: expected --scene K beside it");
   if (options.jobs < 1 || options.scenes < 1) throw std::runtime_error("--jobs, --scenes: expected at least 1");
   return options;
 }

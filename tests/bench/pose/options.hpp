@@ -10,7 +10,7 @@
 namespace beltpick::bench {
 
 struct Options {
-  std::vector<std::string> families{"knuckle", "elbow", "bracket"};
+  std::vector<std::string> families{"knuckle", "elbow", "bracket", "balljoint", "sheet"};
   std::uint64_t seed = 1;
   int first_scene = 0, scenes = 100;
   int jobs = 2;
@@ -36,6 +36,7 @@ inline constexpr const char* kHelp =
     "  --families A,B      of the virtual cell's parts (default: all)\n"
     "  --templates DIR     taught templates are kept and taken from here (default bench_pose_templates)\n"
     "  --scene K           this scene alone\n"
+    "  --explain DIR       with --scene: its cloud, labels, truth, templates and poses as files\n"
     "  --json              only the line of JSON\n"
     "Example: bench_pose --seed 3 --scenes 300 --records seed3.jsonl\n";
 

@@ -11,6 +11,7 @@
 
 #include "base/clock.hpp"
 #include "bench/pose/need.hpp"
+#include "bench/pose/scene_dump.hpp"
 
 namespace beltpick::bench {
 namespace {
@@ -39,6 +40,11 @@ class Worker {
     SceneRecord record{k, std::string(kSceneKindNames[static_cast<std::size_t>(plan.kind)]),
                        judge(seen, plan, pool_, machine_, located)};
     record.fate.render_ms = render_ms;
+    if (!options_.explain.empty()) {
+      std::vector<const PartTemplate*> templates;
+      for (const int index : plan.loaded) templates.push_back(&pool_.templates[static_cast<std::size_t>(index)]);
+      write_scene(options_.explain, seen, camera_.calibration(), templates, located, record);
+    }
     return record;
   }
 
