@@ -19,8 +19,9 @@ vc::Rig rig_with(int width, int height) {
 
 }  // namespace
 
-BeltCamera::BeltCamera(const PartPool& pool, int width, int height)
+BeltCamera::BeltCamera(const PartPool& pool, int width, int height, double noise_mm)
     : pool_(pool),
+      noise_mm_(noise_mm),
       rig_(rig_with(width, height)),
       calibration_(vc::calibrate_rig(rig_).calibration),
       sequence_(need(make_sequence(SequenceName::kStandard, {rig_.projector.width, rig_.projector.height, rig_.layout},
@@ -40,7 +41,8 @@ SeenScene BeltCamera::look(const ScenePlan& plan, Machine& machine) {
     seen.instances = renderer_->true_instances();
     visible = renderer_->visible_fractions();
   } else {
-    seen.range = caster_.cast(instances, plan.scene_seed);
+    seen.range = noise_mm_ > 0.0 ? caster_.cast_points(instances, plan.scene_seed, noise_mm_)
+                                 : caster_.cast(instances, plan.scene_seed);
     seen.instances = caster_.instances();
     visible = caster_.visible_fractions();
   }

@@ -24,7 +24,8 @@ struct SeenScene {
 
 class BeltCamera {
  public:
-  BeltCamera(const PartPool& pool, int width, int height);
+  // `noise_mm`: of the points of scenes that are not rendered; 0: by the noise law.
+  BeltCamera(const PartPool& pool, int width, int height, double noise_mm = 0.0);
 
   // The views stay good until the next call.
   SeenScene look(const ScenePlan& plan, Machine& machine);
@@ -35,6 +36,7 @@ class BeltCamera {
   RangeImage render(std::span<const virtual_cell::PartInstance> instances, std::uint64_t seed, Machine& machine);
 
   const PartPool& pool_;
+  double noise_mm_;
   virtual_cell::Rig rig_;
   Calibration calibration_;
   Sequence sequence_;

@@ -85,6 +85,24 @@ RangeImage CodeCaster::cast(std::span<const vc::PartInstance> instances, std::ui
   return need(triangulator_.measure(code));
 }
 
+RangeImage CodeCaster::cast_points(std::span<const vc::PartInstance> instances, std::uint64_t seed, double noise_mm) {
+  scene_.place(instances);
+  trace(vc::Caster(rig_, scene_, options_, seed));
+  Random random(seed, 32);
+  point_mm_.resize(pixels_.size());
+  sigma_mm_.assign(pixels_.size(), static_cast<float>(noise_mm));
+  for (int row = 0, i = 0; row < rows_; ++row) {
+    for (int col = 0; col < cols_; ++col, ++i) {
+      const vc::LightSample& sample = pixels_[static_cast<std::size_t>(i)].middle;
+      const Vec3f ray = rays_.at(row, col);
+      const auto off_mm = static_cast<float>(noise_mm * normal(random)) / ray.norm();
+      point_mm_[static_cast<std::size_t>(i)] =
+          sample.direct > 0.0F ? Vec3f((sample.distance + off_mm) * ray) : Vec3f::Zero();
+    }
+  }
+  return {{point_mm_.data(), rows_, cols_}, {sigma_mm_.data(), rows_, cols_}, {}};
+}
+
 ImageView<const std::uint16_t> CodeCaster::instances() const { return {instance_.data(), rows_, cols_}; }
 
 std::vector<double> CodeCaster::visible_fractions() const { return vc::visible_fractions(rig_, scene_); }

@@ -28,6 +28,10 @@ class CodeCaster {
   // The views stay good until the next call.
   RangeImage cast(std::span<const virtual_cell::PartInstance> instances, std::uint64_t seed);
 
+  // The true points that light reaches, off by `noise_mm` (standard deviation) along the line of sight: no glare, no
+  // mixed pixels, no error of the calibration.
+  RangeImage cast_points(std::span<const virtual_cell::PartInstance> instances, std::uint64_t seed, double noise_mm);
+
   // Of the last cast: of every pixel 0, or i for the instance i - 1; and of each instance the share in view.
   [[nodiscard]] ImageView<const std::uint16_t> instances() const;
   [[nodiscard]] std::vector<double> visible_fractions() const;
@@ -61,6 +65,8 @@ class CodeCaster {
   std::vector<float> column_px_, modulation_;
   std::vector<std::uint8_t> texture_;
   std::vector<PixelState> state_;
+  std::vector<Vec3f> point_mm_;  // of cast_points
+  std::vector<float> sigma_mm_;
 };
 
 }  // namespace beltpick::bench

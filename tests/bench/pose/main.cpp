@@ -10,8 +10,9 @@ int main(int argc, char** argv) {
   try {
     const Options options = read_options(argc, argv);
     const PartPool pool = make_part_pool(options.families, options.templates);
-    print_report(options, run_scenes(options, pool));
-    return 0;
+    if (print_report(options, run_scenes(options, pool))) return 0;
+    std::fputs("bench_pose: a pose is wrong, or fewer parts were found than expected\n", stderr);
+    return 1;
   } catch (const std::exception& error) {
     std::fprintf(stderr, "bench_pose: %s\n", error.what());
     return 1;

@@ -18,6 +18,13 @@ T number(const std::string& name, const std::string& text) {
   return value;
 }
 
+std::vector<std::string> list(const std::string& text) {
+  std::vector<std::string> items;
+  std::stringstream stream(text);
+  for (std::string item; std::getline(stream, item, ',');) items.push_back(item);
+  return items;
+}
+
 void take(Options& options, const std::string& name, const std::string& value) {
   if (name == "--seed") {
     options.seed = number<std::uint64_t>(name, value);
@@ -42,9 +49,17 @@ void take(Options& options, const std::string& name, const std::string& value) {
     options.width = number<int>(name, value.substr(0, x));
     options.height = number<int>(name, x == std::string::npos ? "" : value.substr(x + 1));
   } else if (name == "--families") {
-    options.families.clear();
-    std::stringstream stream(value);
-    for (std::string item; std::getline(stream, item, ',');) options.families.push_back(item);
+    options.families = list(value);
+  } else if (name == "--kinds") {
+    options.kinds = list(value);
+  } else if (name == "--parts") {
+    options.parts = number<int>(name, value);
+  } else if (name == "--noise-mm") {
+    options.noise_mm = number<double>(name, value);
+  } else if (name == "--expect-recall") {
+    options.expect_recall = number<double>(name, value);
+  } else if (name == "--workers") {
+    options.workers = number<int>(name, value);
   } else {
     throw std::runtime_error(name + ": no such option; see --help");
   }

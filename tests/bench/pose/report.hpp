@@ -8,6 +8,7 @@
 
 namespace beltpick::bench {
 
-void print_report(const Options& options, const std::vector<SceneRecord>& records);
+// Whether what options.expect_recall asks for is so.
+bool print_report(const Options& options, const std::vector<SceneRecord>& records);
 
 }  // namespace beltpick::bench

@@ -22,10 +22,16 @@ constexpr double kRecallVisible = 0.6;
 class Worker {
  public:
   Worker(const Options& options, const PartPool& pool)
-      : options_(options), pool_(pool), camera_(pool, options.width, options.height), machine_(limits(options)) {}
+      : options_(options),
+        pool_(pool),
+        plan_options_{options.seed, options.rendered_every, {}, options.parts},
+        camera_(pool, options.width, options.height, options.noise_mm),
+        machine_(limits(options), options.workers) {
+    for (const std::string& kind : options.kinds) plan_options_.kinds.push_back(scene_kind(kind));
+  }
 
   SceneRecord run(int k) {
-    const ScenePlan plan = plan_scene(pool_, options_.seed, k, options_.rendered_every);
+    const ScenePlan plan = plan_scene(pool_, plan_options_, k);
     if (plan.loaded != loaded_) {
       std::vector<PartTemplate> templates;
       for (const int index : plan.loaded) templates.push_back(pool_.templates[static_cast<std::size_t>(index)]);
@@ -58,6 +64,7 @@ class Worker {
 
   const Options& options_;
   const PartPool& pool_;
+  PlanOptions plan_options_;
   BeltCamera camera_;
   Machine machine_;
   std::vector<int> loaded_;

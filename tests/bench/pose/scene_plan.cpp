@@ -1,5 +1,9 @@
 #include "bench/pose/scene_plan.hpp"
 
+#include <algorithm>
+#include <stdexcept>
+#include <string>
+
 #include "base/random.hpp"
 
 namespace beltpick::bench {
@@ -23,11 +27,12 @@ T drawn(const std::vector<T>& from, Random& random) {
 }
 
 // The parts of a scene, in the order in which they are laid.
-std::vector<int> choose_parts(const PartPool& pool, const ScenePlan& plan, Random& random) {
-  const int count = (plan.kind == SceneKind::kApart ? 3
-                     : plan.rendered                ? 4
-                                                    : 5) +
-                    static_cast<int>(random.below(plan.rendered ? 2 : 3));
+std::vector<int> choose_parts(const PartPool& pool, const ScenePlan& plan, int asked, Random& random) {
+  int count = (plan.kind == SceneKind::kApart ? 3
+               : plan.rendered                ? 4
+                                              : 5) +
+              static_cast<int>(random.below(plan.rendered ? 2 : 3));
+  if (asked > 0) count = asked;
   std::vector<int> chosen;
   for (int i = 0; i < count; ++i) {
     int part = drawn(plan.kind == SceneKind::kMixed ? plan.loaded : std::vector<int>{plan.loaded.front()}, random);
@@ -39,18 +44,31 @@ std::vector<int> choose_parts(const PartPool& pool, const ScenePlan& plan, Rando
   return chosen;
 }
 
+SceneKind drawn_kind(const std::vector<SceneKind>& kinds, Random& random) {
+  if (!kinds.empty()) return drawn(kinds, random);
+  const double draw = random.uniform();
+  return draw < 0.25   ? SceneKind::kApart
+         : draw < 0.50 ? SceneKind::kHeap
+         : draw < 0.65 ? SceneKind::kMixed
+         : draw < 0.80 ? SceneKind::kForeign
+                       : SceneKind::kTwins;
+}
+
 }  // namespace
 
-ScenePlan plan_scene(const PartPool& pool, std::uint64_t seed, int k, int rendered_every) {
-  Random alike(seed, 7000 + static_cast<std::uint64_t>(k / kScenesAlike));
+SceneKind scene_kind(std::string_view name) {
+  const auto at = std::find(kSceneKindNames.begin(), kSceneKindNames.end(), name);
+  if (at == kSceneKindNames.end())
+    throw std::runtime_error("--kinds: expected apart, heap, mixed, foreign or twins, found '" + std::string(name) +
+                             "'");
+  return static_cast<SceneKind>(at - kSceneKindNames.begin());
+}
+
+ScenePlan plan_scene(const PartPool& pool, const PlanOptions& options, int k) {
+  Random alike(options.seed, 7000 + static_cast<std::uint64_t>(k / kScenesAlike));
   ScenePlan plan;
-  plan.rendered = rendered_every > 0 && k / kScenesAlike % rendered_every == 0;
-  const double draw = alike.uniform();
-  plan.kind = draw < 0.25   ? SceneKind::kApart
-              : draw < 0.50 ? SceneKind::kHeap
-              : draw < 0.65 ? SceneKind::kMixed
-              : draw < 0.80 ? SceneKind::kForeign
-                            : SceneKind::kTwins;
+  plan.rendered = options.rendered_every > 0 && k / kScenesAlike % options.rendered_every == 0;
+  plan.kind = drawn_kind(options.kinds, alike);
   std::vector<int> families = pool.families;
   if (plan.kind == SceneKind::kTwins)
     std::erase_if(families, [&](int f) { return pool.twin_of[static_cast<std::size_t>(f)] < 0; });
@@ -61,9 +79,9 @@ ScenePlan plan_scene(const PartPool& pool, std::uint64_t seed, int k, int render
     const int more = drawn(families, alike);
     if (std::find(plan.loaded.begin(), plan.loaded.end(), more) == plan.loaded.end()) plan.loaded.push_back(more);
   }
-  plan.scene_seed = seed * 1'000'003U + static_cast<std::uint64_t>(k);
+  plan.scene_seed = options.seed * 1'000'003U + static_cast<std::uint64_t>(k);
   Random random(plan.scene_seed, 11);
-  const std::vector<int> parts = choose_parts(pool, plan, random);
+  const std::vector<int> parts = choose_parts(pool, plan, options.parts, random);
   for (std::size_t i = 0; i < parts.size(); ++i)
     plan.lays.push_back({lay_of(plan, static_cast<int>(i), random), parts[i]});
   return plan;

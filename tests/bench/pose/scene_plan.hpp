@@ -30,7 +30,17 @@ struct ScenePlan {
 
 inline constexpr int kScenesAlike = 10;  // scenes in a row with the same templates
 
-// Every `rendered_every`-th lot of scenes is rendered, and its parts settle; none where it is 0.
-ScenePlan plan_scene(const PartPool& pool, std::uint64_t seed, int k, int rendered_every);
+// Which scenes there are to be.
+struct PlanOptions {
+  std::uint64_t seed = 1;
+  int rendered_every = 10;       // lots of scenes of which one is rendered and its parts settle; 0: none
+  std::vector<SceneKind> kinds;  // drawn from; empty: all, by their weight
+  int parts = 0;                 // in each scene; 0: drawn
+};
+
+ScenePlan plan_scene(const PartPool& pool, const PlanOptions& options, int k);
+
+// Throws std::runtime_error for another name.
+SceneKind scene_kind(std::string_view name);
 
 }  // namespace beltpick::bench
