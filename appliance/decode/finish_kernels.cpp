@@ -221,6 +221,40 @@ void state_row(const float* __restrict amplitude8, const float* __restrict mean8
 }
 
 BELTPICK_KERNEL
+void gray_axis_row(const std::uint16_t* __restrict cell, const std::uint8_t* __restrict weak,
+                   const float* __restrict mean8, const float* __restrict half8, int count, const CellRule& rule,
+                   const StateRule& light, float* __restrict x_px, float* __restrict amplitude8,
+                   PixelState* __restrict state) {
+  constexpr float kNotMeasured = std::numeric_limits<float>::quiet_NaN();
+  constexpr auto kValid = static_cast<std::uint8_t>(PixelState::kValid);
+  constexpr auto kUncertain = static_cast<std::uint8_t>(PixelState::kOrderUncertain);
+  constexpr auto kDark = static_cast<std::int32_t>(PixelState::kDark);
+  constexpr auto kSaturated = static_cast<std::int32_t>(PixelState::kSaturated);
+  const float factor = light.least_sigmas * light.noise_gain * (light.least_sigmas * light.noise_gain);
+  const float cell_px = rule.cell_px;
+  const float end_px = rule.extent_px - 0.5F;
+  const auto last = static_cast<std::uint16_t>(std::min(rule.cells - 1, 0xFFFF));
+  for (int i = 0; i < count; ++i) {
+    const float least = factor * (kCameraNoise.floor_variance + kCameraNoise.shot_variance_per_level * mean8[i]);
+    const float bright8 = std::max(half8[i], 0.0F);
+    const std::int32_t unlit = mean8[i] >= kFullLevel8 ? kSaturated : kDark;
+    state[i] = static_cast<PixelState>(bright8 * bright8 >= least ? std::int32_t{kValid} : unlit);
+    amplitude8[i] = half8[i];
+  }
+  for (int i = 0; i < count; ++i) {
+    const std::uint8_t safe = cell[i] <= last ? unless_far(weak[i]) : std::uint8_t{0};
+    const auto light_state = static_cast<std::uint8_t>(state[i]);
+    const std::uint8_t order = safe != 0 ? kValid : kUncertain;
+    state[i] = static_cast<PixelState>(light_state == kValid ? order : light_state);
+  }
+  for (int i = 0; i < count; ++i) {
+    const float left_px = static_cast<float>(cell[i]) * cell_px - 0.5F;
+    const float centre_px = 0.5F * (left_px + std::min(left_px + cell_px, end_px));
+    x_px[i] = state[i] == PixelState::kValid ? centre_px : kNotMeasured;
+  }
+}
+
+BELTPICK_KERNEL
 void join_axes_row(const float* __restrict second_amplitude8, const PixelState* __restrict second_state, int count,
                    float* __restrict modulation, PixelState* __restrict state) {
   for (int i = 0; i < count; ++i) {

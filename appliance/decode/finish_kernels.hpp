@@ -73,6 +73,11 @@ struct AxisPixels {
   float *x_px, *amplitude8;
   PixelState* state;
 };
+// Gray code alone, in one go: what gray_only_row() gives, with the half contrast for amplitude and judged by
+// state_row() (sigmas and gain of the rule alone).
+void gray_axis_row(const std::uint16_t* cell, const std::uint8_t* weak, const float* mean8, const float* half8,
+                   int count, const CellRule& rule, const StateRule& light, float* x_px, float* amplitude8,
+                   PixelState* state);
 // A second axis beside the first: a pixel is valid where either is, and as well modulated as the worse valid one.
 void join_axes_row(const float* second_amplitude8, const PixelState* second_state, int count, float* modulation,
                    PixelState* state);

@@ -127,11 +127,9 @@ void decode_axis(const RowContext& context, const ExposurePlan& exposure, const 
   const GrayCode* code = axis.gray == kNone ? nullptr : &context.plan->grays[static_cast<std::size_t>(axis.gray)];
   if (code != nullptr) gather_gray<Pixel>(context, *code, scratch, row);
   if (axis.method == Method::kGrayOnly) {
-    gray_only_row(scratch.cell.data(), scratch.weak.data(), cols, cell_rule(*code, axis, code->cell_px), out.x_px,
-                  scratch.order_safe.data());
-    std::copy_n(scratch.half8.data(), cols, out.amplitude8);
-    state_row(out.amplitude8, scratch.mean8.data(), scratch.half8.data(), scratch.order_safe.data(), nullptr, cols,
-              {kLeastGraySigmas, kGrayNoiseGain}, out.state, out.x_px);
+    gray_axis_row(scratch.cell.data(), scratch.weak.data(), scratch.mean8.data(), scratch.half8.data(), cols,
+                  cell_rule(*code, axis, code->cell_px), {kLeastGraySigmas, kGrayNoiseGain}, out.x_px, out.amplitude8,
+                  out.state);
     if (&axis == &exposure.axes[static_cast<std::size_t>(Axis::kColumn)]) {
       refine_cells_row(scratch.cell.data(), out.state, cols, cell_rule(*code, axis, code->cell_px), scratch.runs,
                        out.x_px);

@@ -40,15 +40,18 @@ template <class Lane>
 BELTPICK_INLINE void start_counts(const Lane* __restrict step, int count, Lane* __restrict before,
                                   Lane* __restrict after) {
   for (int i = 0; i < count; ++i) before[i] = step[i] == kSame ? 1 : 0;
-  for (int i = 0; i + 1 < count; ++i) after[i] = step[i + 1] == kSame ? 1 : 0;
-  after[count - 1] = 0;
+  for (int i = 0; i < count; ++i) after[i] = step[i + 1] == kSame ? 1 : 0;
 }
+
+// The pixels whose neighbour at distance `reach` may lie beyond the margin of a row: it is not looked at, as their runs
+// end before.
+BELTPICK_INLINE int without_neighbour(int count, int reach) { return reach <= kRunMargin ? 0 : std::min(reach, count); }
 
 // From counts up to `reach` to counts up to twice that; true where one is so high.
 template <class Lane>
 BELTPICK_INLINE bool double_before(const Lane* __restrict from, int count, int reach, Lane* __restrict to) {
   const auto full = static_cast<Lane>(reach);
-  const int head = std::min(reach, count);
+  const int head = without_neighbour(count, reach);
   for (int i = 0; i < head; ++i) to[i] = from[i];
   Lane most = 0;
   for (int i = head; i < count; ++i) {
@@ -63,7 +66,7 @@ BELTPICK_INLINE bool double_before(const Lane* __restrict from, int count, int r
 template <class Lane>
 BELTPICK_INLINE void double_after(const Lane* __restrict from, int count, int reach, Lane* __restrict to) {
   const auto full = static_cast<Lane>(reach);
-  const int tail = std::max(count - reach, 0);
+  const int tail = count - without_neighbour(count, reach);
   for (int i = 0; i < tail; ++i) {
     const Lane further = from[i + reach];
     const Lane own = from[i];
@@ -75,18 +78,16 @@ BELTPICK_INLINE void double_after(const Lane* __restrict from, int count, int re
 // Keeps the steps between runs of like length.
 template <class Lane>
 BELTPICK_INLINE void keep_like(const Lane* __restrict step, const Lane* __restrict before, const Lane* __restrict after,
-                               int count, Lane* __restrict start, Lane* __restrict end) {
+                               int count, Lane* __restrict kept) {
   constexpr auto kShort = static_cast<Lane>((std::numeric_limits<Lane>::max() - 2) / kLikeLength);
-  start[0] = kBreak;
-  for (int i = 1; i < count; ++i) {
+  for (int i = 0; i < count; ++i) {
     const auto left = static_cast<Lane>(before[i - 1] + 1);
     const auto right = static_cast<Lane>(after[i] + 1);
     const Lane shorter = std::min(std::min(left, right), kShort);
     const auto most = static_cast<Lane>(kLikeLength * shorter + 2);
-    start[i] = std::max(left, right) <= most && step[i] != kSame ? step[i] : Lane{kBreak};
+    const Lane border = step[i] == kSame ? Lane{kBreak} : step[i];
+    kept[i] = std::max(left, right) <= most ? border : Lane{kBreak};
   }
-  for (int i = 0; i + 1 < count; ++i) end[i] = start[i + 1];
-  end[count - 1] = kBreak;
 }
 
 // Each pixel takes over what stands `reach` pixels further to its run's start, or end, where the way is that long:
@@ -95,7 +96,7 @@ template <class Lane>
 BELTPICK_INLINE void fetch_start(const Lane* __restrict from, const Lane* __restrict before, int count, int reach,
                                  Lane* __restrict to) {
   const auto bit = static_cast<Lane>(reach);
-  const int head = std::min(reach, count);
+  const int head = without_neighbour(count, reach);
   for (int i = 0; i < head; ++i) to[i] = from[i];
   for (int i = head; i < count; ++i) {
     const Lane further = from[i - reach];
@@ -107,7 +108,7 @@ template <class Lane>
 BELTPICK_INLINE void fetch_end(const Lane* __restrict from, const Lane* __restrict after, int count, int reach,
                                Lane* __restrict to) {
   const auto bit = static_cast<Lane>(reach);
-  const int tail = std::max(count - reach, 0);
+  const int tail = count - without_neighbour(count, reach);
   for (int i = 0; i < tail; ++i) {
     const Lane further = from[i + reach];
     const Lane own = from[i];
@@ -137,26 +138,35 @@ template <class Lane>
 BELTPICK_INLINE bool refine(const std::uint16_t* cell, const PixelState* state, int count, float cell_px,
                             std::uint16_t* scratch, float* x_px) {
   constexpr int kMostReach = (std::numeric_limits<Lane>::max() + 1) / 2;
-  Lane* row[6];
-  for (int r = 0; r < 6; ++r) row[r] = reinterpret_cast<Lane*>(scratch) + r * count;
-  auto [before, before_next, after, after_next, start, end] = row;
-  take_steps(cell, state, count, start);
-  start_counts(start, count, before, after);
+  const auto row = [&](std::size_t r) {
+    return reinterpret_cast<Lane*>(scratch) + r * row_numbers(count) + kRunMargin;
+  };
+  Lane *step = row(0), *kept = row(1);
+  Lane *before = row(2), *before_next = row(3);
+  Lane *after = row(4), *after_next = row(5);
+  const int whole = static_cast<int>(row_numbers(count)) - 2 * kRunMargin;
+  take_steps(cell, state, count, step);
+  std::fill(step + count, step + whole + kRunMargin, Lane{kBreak});
+  start_counts(step, whole, before, after);
   int reach = 1;
   for (bool longer = true; longer && reach < count; reach *= 2) {
     if (reach == kMostReach) return false;
-    longer = double_before(before, count, reach, before_next);
-    double_after(after, count, reach, after_next);
+    longer = double_before(before, whole, reach, before_next);
+    double_after(after, whole, reach, after_next);
     std::swap(before, before_next);
     std::swap(after, after_next);
   }
-  keep_like(start, before, after, count, before_next, end);
-  std::swap(start, before_next);
-  for (int bit = reach / 2; bit > 0; bit /= 2) {
-    fetch_start(start, before, count, bit, before_next);
-    fetch_end(end, after, count, bit, after_next);
-    std::swap(start, before_next);
-    std::swap(end, after_next);
+  keep_like(step, before, after, whole, kept);
+  kept[whole] = kBreak;
+  Lane* const starts[2] = {step, kept};
+  Lane* const ends[2] = {before_next, after_next};
+  const Lane *start = kept, *end = kept + 1;
+  int to = 0;
+  for (int bit = reach / 2; bit > 0; bit /= 2, to = 1 - to) {
+    fetch_start(start, before, whole, bit, starts[to]);
+    fetch_end(end, after, whole, bit, ends[to]);
+    start = starts[to];
+    end = ends[to];
   }
   place_within(cell, start, end, before, after, count, cell_px, x_px);
   return true;

@@ -11,8 +11,13 @@
 
 namespace beltpick::decode {
 
-// Scratch for a row of `count` pixels, in 16-bit numbers.
-constexpr std::size_t run_scratch_numbers(int count) { return 6 * static_cast<std::size_t>(count); }
+// Scratch for a row of `count` pixels, in 16-bit numbers: six rows of whole vectors, with margins that are read beyond
+// their ends and never used.
+inline constexpr int kRunMargin = 64;
+constexpr std::size_t row_numbers(int count) {
+  return (static_cast<std::size_t>(count) + 63) / 64 * 64 + 2 * std::size_t{kRunMargin};
+}
+constexpr std::size_t run_scratch_numbers(int count) { return 6 * row_numbers(count); }
 
 // Replaces the cells' centres in x_px, where a run of valid pixels of one cell lies between runs of the cells before
 // and after it, of like length: so only within one surface that rises or falls evenly. The result stays in its cell.
