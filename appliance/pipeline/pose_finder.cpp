@@ -16,7 +16,6 @@
 namespace beltpick::pipeline {
 namespace {
 
-constexpr std::size_t kSearchSample = 100;  // the paper's
 constexpr std::size_t kCoarseSample = 200;
 constexpr std::size_t kAlignSample = 1000;  // the paper's
 constexpr std::size_t kFinalSample = 2500;
@@ -34,7 +33,6 @@ constexpr Breadth kByViews{kMaxShortlist, 10};  // nothing tells them which way 
 constexpr std::size_t kLeastSample = 60;
 
 // Distances of search and alignment grow with the part.
-double coarse_radius_mm(const PartModel& model) { return 0.08 * model.diagonal_mm; }
 double fine_radius_mm(const PartModel& model) { return 0.03 * model.diagonal_mm; }
 
 // Poses that differ less have found the same place.

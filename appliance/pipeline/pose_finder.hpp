@@ -19,6 +19,11 @@
 
 namespace beltpick::pipeline {
 
+// Points of an object that its hypotheses are ranked by: the paper's number.
+inline constexpr std::size_t kSearchSample = 100;
+// Where distances in Q are capped, and how far the first alignment looks.
+inline double coarse_radius_mm(const PartModel& model) { return 0.08 * model.diagonal_mm; }
+
 class PoseFinder {
  public:
   PoseFinder(Arena& arena, const Limits& limits);

@@ -12,9 +12,6 @@ namespace {
 // A part is taken to lie under the belt only beyond this depth: belts are not flat.
 constexpr double kSunk_mm = 3.0;
 
-// kContradicted: measured a little off the surface, in front or behind.
-enum class Finding : std::uint8_t { kMatched, kViolated, kOccluded, kContradicted, kMissing };
-
 struct Tolerance {
   float surface_mm;
   float free_space_mm;
@@ -97,7 +94,7 @@ double share(double part, double whole) { return whole > 0.0 ? part / whole : 0.
 }  // namespace
 
 Evidence weigh(const Drawing& drawing, const PartModel& model, const PartPose& T_camera_part, const Scene& scene,
-               const Claimed& claimed) {
+               const Claimed& claimed, FindingListener* listener) {
   const double tolerance_mm = surface_tolerance_mm(scene, model.spacing_mm);
   const Tolerance tolerance{static_cast<float>(tolerance_mm),
                             static_cast<float>(free_space_tolerance_mm(scene, model.spacing_mm))};
@@ -111,7 +108,12 @@ Evidence weigh(const Drawing& drawing, const PartModel& model, const PartPose& T
     if (!point.in_image) continue;
     inside += point.area;
     ++evidence.points;
-    switch (lookup.look(point, square_mm2)) {
+    Finding finding = lookup.look(point, square_mm2);
+    if (finding == Finding::kMissing && in_shadow(scene, point.point_mm, point.normal, tolerance)) {
+      finding = Finding::kShadowed;
+    }
+    if (listener != nullptr) listener->found(point, finding);
+    switch (finding) {
       case Finding::kMatched:
         matched += point.area;
         break;
@@ -125,8 +127,10 @@ Evidence weigh(const Drawing& drawing, const PartModel& model, const PartPose& T
       case Finding::kContradicted:
         contradicted += point.area;
         break;
+      case Finding::kShadowed:
+        shadowed += point.area;
+        break;
       case Finding::kMissing:
-        if (in_shadow(scene, point.point_mm, point.normal, tolerance)) shadowed += point.area;
         break;
     }
   }

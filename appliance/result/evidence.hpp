@@ -38,9 +38,30 @@ struct Claimed {
   }
 };
 
+// What one surface point in sight met in the range image.
+enum class Finding : std::uint8_t {
+  kMatched,       // measured where the pose says
+  kViolated,      // seen to be empty: measured clearly behind
+  kOccluded,      // something was measured clearly in front
+  kContradicted,  // measured a little off the surface, in front or behind
+  kMissing,       // not measured, though the light should have reached it
+  kShadowed       // not measured, and in a cast shadow
+};
+inline constexpr std::size_t kFindingCount = 6;
+
+// Whoever wants to know of each point what it met.
+class FindingListener {
+ public:
+  FindingListener() = default;
+  FindingListener(const FindingListener&) = delete;
+  FindingListener& operator=(const FindingListener&) = delete;
+  virtual ~FindingListener() = default;
+  virtual void found(const VisiblePoint& point, Finding finding) = 0;
+};
+
 // Looks up the part as it was drawn.
 Evidence weigh(const Drawing& drawing, const PartModel& model, const PartPose& T_camera_part, const Scene& scene,
-               const Claimed& claimed = {});
+               const Claimed& claimed = {}, FindingListener* listener = nullptr);
 
 // The share of the part's surface points that lies clearly under the belt, where no part can be.
 double sunk_share(const PartModel& model, const PartPose& T_camera_part, const Plane& belt, double tolerance_mm);

@@ -7,8 +7,6 @@
 namespace beltpick::result {
 namespace {
 
-// Of the surface tolerance: far above what noise leaves, far below points spread over the tolerance.
-constexpr double kResidualShare = 0.35;
 // What lacks support is told to be out of view where less of it than this is inside the image.
 constexpr double kMostlyInView = 0.6;
 
@@ -69,9 +67,9 @@ Result<void> judge(const Evidence& evidence, double tolerance_mm, const Requirem
         "along %.0f %% of the outline the object goes on, expected at most %.0f %%; a larger, foreign object",
         100.0 * evidence.continued, 100.0 * required.continued);
   }
-  if (evidence.rms_mm > kResidualShare * tolerance_mm) {
+  if (evidence.rms_mm > required.residual * tolerance_mm) {
     return failure(ResultCode::kResidualTooHigh, "%.3f mm RMS to the surface, expected at most %.3f; a damaged part?",
-                   evidence.rms_mm, kResidualShare * tolerance_mm);
+                   evidence.rms_mm, required.residual * tolerance_mm);
   }
   return {};
 }

@@ -17,6 +17,8 @@ struct Requirements {
   double unexplained = 0.03;   // greatest share of the part that the object itself hides
   double continued = 0.45;     // greatest share of the outline beyond which the object goes on
   int points = 60;             // least surface points in sight
+  double residual = 0.35;      // greatest RMS to the surface, of the surface tolerance: far above what noise leaves,
+                               // far below points spread over the tolerance
 };
 
 // Ok, or the reason as it goes into result.json. Errors: kPartlyOutOfView, kFreeSpaceViolated, kCoverageTooLow,

@@ -12,7 +12,7 @@
 #include "contract_io/pictures.hpp"
 #include "contract_io/result_io.hpp"
 #include "contract_io/template_io.hpp"
-#include "locate_explain.hpp"
+#include "explain/explain.hpp"
 #include "options.hpp"
 #include "pipeline/pipeline.hpp"
 #include "range_input.hpp"
@@ -134,15 +134,22 @@ Result<void> run(const LocateCommand& command, Session& session) {
   session.warn(warnings);
   if (!cell) return std::unexpected(cell.error());
 
-  Machine machine(limits_for(**input, templates->size()), command.workers);
+  // Who listens to the search hears one worker only; the result is the same.
+  const Limits limits = limits_for(**input, templates->size());
+  Machine machine(limits, command.explain.empty() ? command.workers : 1);
   if (auto loaded = machine.pipeline->load(*templates); !loaded) return loaded;
+  std::optional<explain::StoryRecorder> recorder;
+  if (!command.explain.empty()) machine.pipeline->set_trace(&recorder.emplace(limits));
   const auto located =
       machine.pipeline->locate({(*input)->range(), (*input)->lens(), (*input)->projector_mm(), (*input)->seed()});
   if (!located) return std::unexpected(located.error());
 
   const LocateReport report = report_of(*located, **input, machine.arena);
-  if (!command.explain.empty()) {
-    if (auto written = explain(command.explain, *located, **input, *templates); !written) return written;
+  if (recorder) {
+    const explain::Explained explained{*located,         *recorder,         machine.pipeline->models(),
+                                       *templates,       (*input)->range(), (*input)->picture(),
+                                       (*input)->lens(), (*input)->id()};
+    if (auto written = explain::write_explanation(command.explain, explained); !written) return written;
   }
   if (auto written = write_overlay(command.overlay, **input, report, *templates); !written) return written;
   if (auto written = contract_io::write_result(command.out, report, *templates, *cell); !written) return written;
@@ -165,12 +172,17 @@ Run add_locate(CLI::App& app) {
       ->type_name("result.json");
   app.add_option("--cell", command->cell, "adds poses in the frames of belt and robot")->type_name("cell.json");
   app.add_option("--overlay", command->overlay, "the found parts drawn over the image")->type_name("overlay.png");
-  app.add_option("--explain", command->explain, "folder for the numbers behind every decision")->type_name("DIR");
+  app.add_option("--explain", command->explain,
+                 "folder for a page (index.html) and the numbers (explain.json) that tell, segment by segment, why")
+      ->type_name("DIR");
   app.add_option("--workers", command->workers, "threads; the result is the same for any number (default 1)")
       ->check(CLI::Range(1, 16));
-  example(app,
-          "  beltpick locate capture --calibration calibration.json --template knuckle.template --out result.json\n"
-          "  beltpick locate cloud.npy --template knuckle.template --out result.json --overlay overlay.png");
+  example(
+      app,
+      "  beltpick locate capture --calibration calibration.json --template knuckle.template --out result.json\n"
+      "  beltpick locate cloud.npy --template knuckle.template --out result.json --overlay overlay.png\n"
+      "  beltpick locate record/000017 --calibration calibration.json --template knuckle.template --out result.json "
+      "--explain why");
   return [command](Session& session) { return run(*command, session); };
 }
 
