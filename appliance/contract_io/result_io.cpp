@@ -1,5 +1,7 @@
 #include "contract_io/result_io.hpp"
 
+#include "base/units.hpp"
+#include "contract/freedoms.hpp"
 #include "contract/result_codes.hpp"
 #include "contract_io/file_io.hpp"
 #include "contract_io/json_writer.hpp"
@@ -26,6 +28,21 @@ Json grasp_json(const LocatedPart& part, const PartTemplate& taught, const Cell&
   return json;
 }
 
+Json freedom_json(const Freedom& freedom) {
+  Json json = {{"motion", freedom.words}, {"observable", freedom.observable}};
+  json[freedom.turn ? "sigma_deg" : "sigma_mm"] = freedom.turn ? deg_from_rad(freedom.sigma) : freedom.sigma;
+  json["rim_mm"] = freedom.rim_mm;
+  return json;
+}
+
+// How firmly each motion of the part is held, and in words what cannot be told.
+void append_freedoms(const LocatedPart& part, const PartTemplate& taught, Json& json) {
+  const auto freedoms = freedoms_of(part.covariance, part.T_camera_part, taught);
+  json["freedoms"] = Json::array();
+  for (const Freedom& freedom : freedoms) json["freedoms"].push_back(freedom_json(freedom));
+  json["unobservable"] = unobservable(freedoms, taught.symmetry);
+}
+
 Json part_json(const LocatedPart& part, const PartTemplate& taught, const Cell& cell) {
   Json json = {{"part", taught.name},
                {"segment", part.segment},
@@ -42,6 +59,7 @@ Json part_json(const LocatedPart& part, const PartTemplate& taught, const Cell& 
   json["score"] = part.score;
   json["symmetry"] = taught.symmetry.name;
   json["covariance"] = json_matrix(part.covariance);
+  append_freedoms(part, taught, json);
   json["touches_neighbour"] = part.touches_neighbour;
   return json;
 }

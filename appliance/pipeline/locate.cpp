@@ -196,6 +196,7 @@ void Locator::choose_grasp(const result::Scene& scene, std::span<const PartModel
   if (choice.index < 0) part.not_offered = result::no_grasp_reason(choice, model.grasp_count);
   part.covariance = covariance_of_equivalent(choice.T_camera_part, part.T_camera_part, model, part.covariance);
   part.T_camera_part = choice.T_camera_part;
+  spread_free_turns(part.covariance, part.T_camera_part, model);
 }
 
 // Contact is mutual: when either is picked, the pose of the other is no longer known.

@@ -5,6 +5,7 @@
 #include <Eigen/Eigenvalues>
 
 #include "base/units.hpp"
+#include "contract/freedoms.hpp"
 
 namespace beltpick::pipeline {
 namespace {
@@ -59,6 +60,15 @@ Mat6 covariance_of_equivalent(const result::PartPose& other, const result::PartP
   Mat6 about_other = Mat6::Identity();
   about_other.bottomLeftCorner<3, 3>() << 0.0, arm.z(), -arm.y(), -arm.z(), 0.0, arm.x(), arm.y(), -arm.x(), 0.0;
   return about_other * covariance * about_other.transpose();
+}
+
+void spread_free_turns(Mat6& covariance, const result::PartPose& T_camera_part, const PartModel& model) {
+  const Vec3 through_mm = T_camera_part * model.axis_point_mm, centre_mm = T_camera_part * model.centre_mm;
+  if (model.sphere) {
+    for (int axis = 0; axis < 3; ++axis) add_free_turn(covariance, through_mm, Vec3::Unit(axis), centre_mm);
+  } else if (model.revolution) {
+    add_free_turn(covariance, through_mm, T_camera_part.rotation * model.axis_direction, centre_mm);
+  }
 }
 
 result::PartPose moved(const result::PartPose& T_camera_part, const Motion& motion, const PartModel& model) {

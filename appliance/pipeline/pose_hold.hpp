@@ -26,6 +26,10 @@ Eigen::Matrix<double, 6, 6> covariance_of_equivalent(const result::PartPose& oth
                                                      const PartModel& model,
                                                      const Eigen::Matrix<double, 6, 6>& covariance);
 
+// Makes the covariance of a pose tell that the turns which the part's symmetry leaves free are not known.
+void spread_free_turns(Eigen::Matrix<double, 6, 6>& covariance, const result::PartPose& T_camera_part,
+                       const PartModel& model);
+
 // The pose after the motion.
 result::PartPose moved(const result::PartPose& T_camera_part, const Motion& motion, const PartModel& model);
 

@@ -148,7 +148,8 @@ Vec3 sight_of(std::span<const OrientedPoint> sample) {
 std::vector<QMap> q_maps(const SearchStory& search, std::span<const PartModel> models) {
   std::vector<Hypothesis> storage(kMostPoses);
   std::vector<QMap> maps;
-  const std::span sample(search.sample.data(), std::min(search.sample.size(), pipeline::kSearchSample));
+  const std::span points(search.sample.data(), std::min(search.sample.size(), pipeline::kSearchSample));
+  const search::SearchSample sample(points);
   const auto add = [&](int model_index, const search::HypothesisPool& pool, auto&& make) {
     if (pool.size() == 0) return;
     QMap map = make(std::span<const Hypothesis>(storage).first(pool.size()));
@@ -162,7 +163,7 @@ std::vector<QMap> q_maps(const SearchStory& search, std::span<const PartModel> m
     if (search.route == pipeline::Effort::kViews) {
       search::HypothesisPool pool(storage);
       search::search_views(input, pool);
-      add(i, pool, [&](auto tried) { return direction_map("every view of the part", sight_of(sample), tried); });
+      add(i, pool, [&](auto tried) { return direction_map("every view of the part", sight_of(points), tried); });
     }
     for (const FoundPrimitive& found : search.primitives) {
       for (const Primitive& taught : model.taught()) {
