@@ -79,6 +79,10 @@ Options read_options(int argc, char** argv) {
       options.json_only = true;
       continue;
     }
+    if (name == "--peers") {
+      options.peers = true;
+      continue;
+    }
     if (i + 1 == argc) throw std::runtime_error(name + ": expected a value after it; see --help");
     take(options, name, argv[++i]);
   }

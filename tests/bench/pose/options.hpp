@@ -26,6 +26,7 @@ struct Options {
   std::optional<int> scene;       // this one alone
   double expect_recall = 0.0;     // of parts of which 60 % were measured; more than 0: also that nothing is wrong
   bool json_only = false;
+  bool peers = false;
 };
 
 inline constexpr const char* kHelp =
@@ -49,12 +50,15 @@ inline constexpr const char* kHelp =
     "  --expect-recall R   fail where a pose is wrong or less than this share of the parts of which 60 % were "
     "measured\n"
     "                      is found: for tests\n"
+    "  --peers             beside VTK's ICP, PCL's ICP and OpenCV's point pair features (deploy/setup peers), on one "
+    "core\n"
     "  --json              only the line of JSON\n"
     "Examples:\n"
     "  the bulk        bench_pose --seed 3 --scenes 2400 --records seed3.jsonl\n"
     "  one scene       bench_pose --seed 3 --scene 17 --explain scene17\n"
     "  accuracy        bench_pose --seed 3 --scenes 100 --kinds apart --noise-mm 0.05 --rendered-every 0\n"
     "  one core        bench_pose --seed 3 --scenes 30 --kinds apart --parts 3 --rendered-every 1 --jobs 1\n"
+    "  peers           bench_pose --peers --seed 3 --scenes 20 --kinds apart,heap\n"
     "  two cores       the same with --workers 2\n";
 
 // Throws std::runtime_error with what is wrong.
