@@ -96,7 +96,8 @@ PoseFinder::PoseFinder(Arena& arena, const Limits& limits)
       pool_storage_(arena.take<Hypothesis>("search: hypotheses",
                                            std::min(kPoolSize, static_cast<std::size_t>(limits.hypotheses)))),
       finder_(arena, limits.object_points),
-      drawing_(arena, limits) {}
+      drawing_(arena, limits),
+      blemishes_(arena, limits) {}
 
 Attempt PoseFinder::find(const result::Scene& scene, ImageView<const std::uint16_t> owner, const Object& object,
                          std::span<const PartModel> models, std::uint64_t seed, Effort effort) {
@@ -294,6 +295,7 @@ void PoseFinder::finish(const Context& context, Candidate& candidate) {
                                      icp::Noise{context.scene.noise_mm}, outline_.first(pairs));
   }
   weigh(context, candidate);
+  candidate.evidence.blemishes = blemishes_.find(drawing_, context.scene, model.spacing_mm);
 }
 
 void PoseFinder::sort_by_strength() {

@@ -79,6 +79,7 @@ class PoseFinder {
   int candidate_count_ = 0;
   primitives::Finder finder_;
   result::Drawing drawing_;
+  result::BlemishFinder blemishes_;
   Trace* trace_ = nullptr;
 };
 

@@ -76,10 +76,14 @@ class Lookup {
     return compare(range_.point_mm(row, col), point.point_mm, point.normal, tolerance_);
   }
 
-  // Whether the point lies on some other surface of the part after all.
+  // Whether the point lies on some other surface of the part after all, one that looks towards the camera: the belt seen
+  // through a hole that should not be there lies on the underside.
   [[nodiscard]] bool on_part(const Vec3f& measured_mm) const {
     const Vec3f at = (T_part_camera_ * measured_mm.cast<double>()).cast<float>();
-    return (model_.nearest(at).point_mm - at).norm() < tolerance_.surface_mm + model_.spacing_mm;
+    const OrientedPoint& nearest = model_.nearest(at);
+    const Vec3f towards_camera = T_part_camera_.translation_mm.cast<float>() - at;
+    return nearest.normal.dot(towards_camera) > 0.0F &&
+           (nearest.point_mm - at).norm() < tolerance_.surface_mm + model_.spacing_mm;
   }
 
   const RangeImage& range_;

@@ -6,6 +6,7 @@
 #include <span>
 
 #include "contract/part_model.hpp"
+#include "result/blemish.hpp"
 #include "result/drawing.hpp"
 #include "result/scene.hpp"
 
@@ -26,6 +27,7 @@ struct Evidence {
   double sunk = 0.0;       // of the part's whole surface, what would lie under the belt
   double rms_mm = 0.0;     // of the measured points to the surface, where they support the pose
   int points = 0;          // in sight and inside the image
+  Blemishes blemishes;     // looked for only when a pose is finished
 };
 
 // The object that the pose is to explain: pixels of `owner` that hold one of `labels`. Empty: not told.

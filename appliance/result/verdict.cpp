@@ -24,6 +24,16 @@ Result<void> judge(const Evidence& evidence, double tolerance_mm, const Requirem
                    "a wrong template",
                    100.0 * evidence.violated, 100.0 * required.violated);
   }
+  if (evidence.blemishes.seen_through_mm2 > 0.0) {
+    return failure(ResultCode::kFreeSpaceViolated,
+                   "%.0f mm2 of the pose's surface in one piece were seen through; a similar part, or a damaged one",
+                   evidence.blemishes.seen_through_mm2);
+  }
+  if (evidence.blemishes.filled_mm2 > 0.0) {
+    return failure(ResultCode::kResidualTooHigh,
+                   "a hole of the part is filled, %.0f mm2 in one piece; a similar part, or something in the hole",
+                   evidence.blemishes.filled_mm2);
+  }
   if (evidence.sunk > required.sunk) {
     return failure(ResultCode::kFreeSpaceViolated,
                    "%.0f %% of the pose's surface lies under the belt, expected at most %.0f %%; too little in view to "
