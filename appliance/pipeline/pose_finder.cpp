@@ -5,6 +5,7 @@
 #include "base/units.hpp"
 #include "contract/pose_difference.hpp"
 #include "contract/result_codes.hpp"
+#include "pipeline/lookalikes.hpp"
 #include "pipeline/neighbourhood.hpp"
 #include "pipeline/outline_pairs.hpp"
 #include "pipeline/pose_hold.hpp"
@@ -55,7 +56,10 @@ constexpr int kFinished = 4;
 constexpr double kWorthFinishing = 0.5;
 // A rival below this share of the champion's strength has lost already.
 constexpr double kRivalStrength = 0.8;
-constexpr int kFinishedRivals = 4;
+constexpr int kFinishedRivals = 8;
+
+// Of each model, how many poses are tried that put nearly the same surface there.
+constexpr std::size_t kLookalikes = 3;
 
 // Along a freedom that is not held firmly other poses are looked for, so far away on the part's rim.
 constexpr std::array<double, 6> kExplored_mm{2.5, -2.5, 6.0, -6.0, 14.0, -14.0};
@@ -286,6 +290,7 @@ void PoseFinder::finish(const Context& context, Candidate& candidate) {
     drawing_.draw(model, candidate.alignment.T_camera_part, context.scene.lens);
     const std::size_t count =
         sample_at_pose(context.scene.range, context.scene.labels, drawing_, radius_mm, kFinalSample, pose_sample_);
+    pose_sample_count_ = count;
     if (count < kLeastSample) return;
     const std::size_t pairs =
         pair_outline(drawing_, candidate.alignment.T_camera_part, context.scene, model.spacing_mm,
@@ -324,9 +329,10 @@ Attempt PoseFinder::decide(const Context& context) {
     if (candidate.strength < kWorthFinishing * candidates_.front().strength) break;
     Candidate champion = candidate;
     finish(context, champion);
+    keep_support();
     const bool first = finished++ == 0;
     auto verdict = trial(context, champion, i);
-    if (verdict && explore(context, champion)) verdict = trial(context, champion, kNoIndex);
+    if ((verdict || only_blemished(context, champion)) && challenge(context, champion)) verdict = trial(context, champion, kNoIndex);
     if (trace_ != nullptr) trace_->judged(champion, verdict);
     if (verdict || first || verdict.error().code == ResultCode::kPoseAmbiguous) {
       attempt.best = champion;
@@ -338,25 +344,80 @@ Attempt PoseFinder::decide(const Context& context) {
   return attempt;
 }
 
-// Looks for other poses along the freedom that is held least: few points may hold it, and wrongly. Those found become
-// candidates; the strongest of all is the champion. Returns whether any was found.
-bool PoseFinder::explore(const Context& context, Candidate& champion) {
+// What the pose just finished explains, of whatever segment: the object's own sample may be a fragment that tells less.
+void PoseFinder::keep_support() {
+  support_count_ = std::min(pose_sample_count_, support_.size());
+  for (std::size_t i = 0; i < support_count_; ++i) support_[i] = pose_sample_[i * pose_sample_count_ / support_count_];
+}
+
+// Perhaps the part, but turned.
+bool PoseFinder::only_blemished(const Context& context, const Candidate& champion) const {
+  if (!champion.evidence.blemishes.any()) return false;
+  result::Evidence otherwise = champion.evidence;
+  otherwise.blemishes = {};
+  const PartModel& model = context.models[static_cast<std::size_t>(champion.model_index)];
+  return result::judge(otherwise, result::surface_tolerance_mm(context.scene, model.spacing_mm), {}).has_value();
+}
+
+// Looks for other poses that the search may not have met. Those found become candidates; the strongest of all is the
+// champion. Returns whether any was found.
+bool PoseFinder::challenge(const Context& context, Candidate& champion) {
+  const int before = candidate_count_;
+  explore(context, champion);
+  add_lookalikes(context, champion);
+  for (int i = before; i < candidate_count_; ++i) {
+    const Candidate& other = candidates_[static_cast<std::size_t>(i)];
+    const bool clean = !other.evidence.blemishes.any();
+    const bool cleaner = champion.evidence.blemishes.any() && other.strength > kRivalStrength * champion.strength;
+    if (clean && (cleaner || other.strength > champion.strength)) champion = other;
+  }
+  return candidate_count_ > before;
+}
+
+// Along the freedom that is held least: few points may hold it, and wrongly.
+void PoseFinder::explore(const Context& context, const Candidate& champion) {
   const PartModel& model = context.models[static_cast<std::size_t>(champion.model_index)];
   const auto freedom = loosest_freedom(champion.alignment, model);
-  if (!freedom) return false;
-  const Candidate before = champion;
-  const int candidates_before = candidate_count_;
+  if (!freedom) return;
   for (const double rim_mm : kExplored_mm) {
-    if (candidate_count_ == kMaxCandidates) break;
-    Candidate other = before;
-    other.alignment.T_camera_part = moved(before.alignment.T_camera_part, rim_mm * *freedom, model);
-    align_fully(context, other);
-    finish(context, other);
-    if (same_place(other, before, model)) continue;
-    candidates_[static_cast<std::size_t>(candidate_count_++)] = other;
-    if (other.strength > champion.strength) champion = other;
+    Candidate other = champion;
+    other.alignment.T_camera_part = moved(champion.alignment.T_camera_part, rim_mm * *freedom, model);
+    add_challenger(context, champion, other);
   }
-  return candidate_count_ > candidates_before;
+}
+
+void PoseFinder::add_lookalikes(const Context& context, const Candidate& champion) {
+  const PartModel& model = context.models[static_cast<std::size_t>(champion.model_index)];
+  const std::span<const OrientedPoint> sample = std::span(support_).first(support_count_);
+  const result::PartPose& pose = champion.alignment.T_camera_part;
+  for (int i = 0; i < static_cast<int>(context.models.size()); ++i) {
+    const PartModel& other_model = context.models[static_cast<std::size_t>(i)];
+    search::HypothesisPool pool(pool_storage_);
+    i == champion.model_index ? offer_turns(model, pose, sample, pool)
+                              : offer_other(model, pose, other_model, sample, pool);
+    std::array<Hypothesis, kLookalikes + 1> found;  // the champion itself is often among the turns
+    const std::size_t count =
+        pool.take_distinct(other_model, 0.04 * other_model.diagonal_mm, rad_from_deg(12.0), found);
+    for (std::size_t k = 0; k < count; ++k) {
+      Candidate other;
+      other.model_index = i;
+      other.hypothesis = found[k];
+      other.alignment.T_camera_part = found[k].T_camera_part;
+      add_challenger(context, champion, other);
+    }
+  }
+}
+
+// Aligned and finished, the other becomes a candidate, unless it ends where the champion is.
+void PoseFinder::add_challenger(const Context& context, const Candidate& champion, Candidate& other) {
+  if (candidate_count_ == kMaxCandidates) return;
+  const PartModel& model = context.models[static_cast<std::size_t>(champion.model_index)];
+  if (same_place(other, champion, model)) return;
+  align_fully(context, other);
+  if (same_place(other, champion, model)) return;
+  finish(context, other);
+  if (same_place(other, champion, model)) return;
+  candidates_[static_cast<std::size_t>(candidate_count_++)] = other;
 }
 
 Result<void> PoseFinder::trial(const Context& context, const Candidate& champion, int index) {
@@ -385,6 +446,7 @@ bool PoseFinder::beats_rivals(const Context& context, const Candidate& champion,
     finish(context, rival);
     ++finished;
     if (rival.strength < kRivalStrength * champion.strength || same_place(champion, rival, model)) continue;
+    if (rival.evidence.blemishes.any()) continue;
     const auto& other = context.models[static_cast<std::size_t>(rival.model_index)];
     const result::Rivalry rivalry =
         result::compare({model, champion.alignment.T_camera_part}, {other, rival.alignment.T_camera_part},

@@ -65,7 +65,12 @@ class PoseFinder {
   void weigh(const Context& context, Candidate& candidate);
   void finish(const Context& context, Candidate& candidate);
   Attempt decide(const Context& context);
-  bool explore(const Context& context, Candidate& champion);
+  void keep_support();
+  [[nodiscard]] bool only_blemished(const Context& context, const Candidate& champion) const;
+  bool challenge(const Context& context, Candidate& champion);
+  void explore(const Context& context, const Candidate& champion);
+  void add_lookalikes(const Context& context, const Candidate& champion);
+  void add_challenger(const Context& context, const Candidate& champion, Candidate& other);
   Result<void> trial(const Context& context, const Candidate& champion, int index);
   bool beats_rivals(const Context& context, const Candidate& champion, int index);
   void sort_by_strength();
@@ -73,6 +78,9 @@ class PoseFinder {
   std::span<OrientedPoint> sample_;
   std::size_t sample_count_ = 0;
   std::span<OrientedPoint> pose_sample_;
+  std::size_t pose_sample_count_ = 0;
+  std::array<OrientedPoint, 128> support_{};  // some of what the champion explains
+  std::size_t support_count_ = 0;
   std::span<icp::OutlinePair> outline_;
   std::span<Hypothesis> pool_storage_;
   std::array<Candidate, kMaxCandidates> candidates_{};

@@ -8,8 +8,8 @@
 namespace beltpick::result {
 namespace {
 
-// Cells all of whose neighbours agree, as many of them together: a blemish is at least four cells by four, and a cell is
-// about as wide as the template's points lie apart.
+// Cells all of whose neighbours agree, as many of them together: a blemish is at least four cells by four, and a cell
+// is about as wide as the template's points lie apart.
 constexpr int kLeastCore = 4;
 // In tolerances of the surface: what bounced light or a rounded edge shifts is less.
 constexpr double kMargins = 2.0;

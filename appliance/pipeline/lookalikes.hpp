@@ -1,0 +1,21 @@
+// Lookalikes: other poses that put nearly the same surface where an object is: the part turned about an axis of its
+// own, or another part laid into its box. A search that found one of them need not have met the others.
+#pragma once
+
+#include <span>
+
+#include "contract/part_model.hpp"
+#include "result/scene.hpp"
+#include "search/hypothesis_pool.hpp"
+
+namespace beltpick::pipeline {
+
+// Offers those turns of the part about its box's axes and its primitives' that still explain the sample (camera frame).
+void offer_turns(const PartModel& model, const result::PartPose& T_camera_part, std::span<const OrientedPoint> sample,
+                 search::HypothesisPool& pool);
+
+// Offers those of the 24 ways to lay the other part into the part's box that still explain the sample.
+void offer_other(const PartModel& model, const result::PartPose& T_camera_part, const PartModel& other,
+                 std::span<const OrientedPoint> sample, search::HypothesisPool& pool);
+
+}  // namespace beltpick::pipeline
