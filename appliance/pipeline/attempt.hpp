@@ -6,6 +6,7 @@
 #include "base/result.hpp"
 #include "base/stages.hpp"
 #include "contract/locate_result.hpp"
+#include "contract/pose_difference.hpp"
 #include "contract/result_codes.hpp"
 #include "result/evidence.hpp"
 
@@ -29,7 +30,18 @@ struct Candidate {
   Alignment alignment;
   result::Evidence evidence;
   double strength = 0.0;  // what ranks it
+  result::Region region;  // of the image in which it was drawn
 };
+
+// Poses that differ less have found the same place.
+inline constexpr double kSamePlaceShare = 0.012;  // of the diagonal
+inline constexpr double kSameTurn_rad = 0.05;
+
+inline bool same_place(const Candidate& a, const Candidate& b, const PartModel& model) {
+  if (a.model_index != b.model_index) return false;
+  const PoseDifference d = difference_modulo_symmetry(a.alignment.T_camera_part, b.alignment.T_camera_part, model);
+  return d.translation_mm < kSamePlaceShare * model.diagonal_mm && d.rotation_rad < kSameTurn_rad;
+}
 
 // What became of a search.
 struct Attempt {

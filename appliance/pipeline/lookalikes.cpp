@@ -3,7 +3,6 @@
 #include <array>
 
 #include "base/units.hpp"
-#include "search/quality.hpp"
 
 namespace beltpick::pipeline {
 namespace {
@@ -18,17 +17,17 @@ constexpr double kWorseShare = 0.015;
 // What a point off the part counts, as in the search.
 constexpr double kCapShare = 0.08;
 
-float mean_mm(const PartModel& model, const result::PartPose& pose, std::span<const OrientedPoint> sample,
+float mean_mm(const PartModel& model, const result::PartPose& pose, const search::SearchSample& sample,
               float give_up_mm) {
   return search::mean_distance_mm(sample, model, pose, static_cast<float>(kCapShare * model.diagonal_mm), give_up_mm);
 }
 
-float worst_mm(const PartModel& model, const result::PartPose& T_camera_part, std::span<const OrientedPoint> sample) {
+float worst_mm(const PartModel& model, const result::PartPose& T_camera_part, const search::SearchSample& sample) {
   const auto diagonal_mm = static_cast<float>(model.diagonal_mm);
   return mean_mm(model, T_camera_part, sample, diagonal_mm) + static_cast<float>(kWorseShare) * diagonal_mm;
 }
 
-void offer(const PartModel& model, const result::PartPose& pose, std::span<const OrientedPoint> sample, float worst_mm,
+void offer(const PartModel& model, const result::PartPose& pose, const search::SearchSample& sample, float worst_mm,
            search::HypothesisPool& pool) {
   const float mean = mean_mm(model, pose, sample, worst_mm);
   if (mean < worst_mm) pool.offer({pose, mean});
@@ -36,7 +35,7 @@ void offer(const PartModel& model, const result::PartPose& pose, std::span<const
 
 }  // namespace
 
-void offer_turns(const PartModel& model, const result::PartPose& T_camera_part, std::span<const OrientedPoint> sample,
+void offer_turns(const PartModel& model, const result::PartPose& T_camera_part, const search::SearchSample& sample,
                  search::HypothesisPool& pool) {
   const float worst = worst_mm(model, T_camera_part, sample);
   const auto turn_about = [&](const Vec3& point_mm, const Vec3& axis) {
@@ -54,7 +53,7 @@ void offer_turns(const PartModel& model, const result::PartPose& T_camera_part, 
 }
 
 void offer_other(const PartModel& model, const result::PartPose& T_camera_part, const PartModel& other,
-                 std::span<const OrientedPoint> sample, search::HypothesisPool& pool) {
+                 const search::SearchSample& sample, search::HypothesisPool& pool) {
   const float worst = worst_mm(model, T_camera_part, sample);
   const Vec3 centre_mm = T_camera_part * model.centre_mm;
   for (int x = 0; x < 3; ++x) {

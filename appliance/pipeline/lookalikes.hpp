@@ -2,20 +2,19 @@
 // own, or another part laid into its box. A search that found one of them need not have met the others.
 #pragma once
 
-#include <span>
-
 #include "contract/part_model.hpp"
 #include "result/scene.hpp"
 #include "search/hypothesis_pool.hpp"
+#include "search/quality.hpp"
 
 namespace beltpick::pipeline {
 
 // Offers those turns of the part about its box's axes and its primitives' that still explain the sample (camera frame).
-void offer_turns(const PartModel& model, const result::PartPose& T_camera_part, std::span<const OrientedPoint> sample,
+void offer_turns(const PartModel& model, const result::PartPose& T_camera_part, const search::SearchSample& sample,
                  search::HypothesisPool& pool);
 
 // Offers those of the 24 ways to lay the other part into the part's box that still explain the sample.
 void offer_other(const PartModel& model, const result::PartPose& T_camera_part, const PartModel& other,
-                 std::span<const OrientedPoint> sample, search::HypothesisPool& pool);
+                 const search::SearchSample& sample, search::HypothesisPool& pool);
 
 }  // namespace beltpick::pipeline

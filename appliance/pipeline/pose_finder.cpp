@@ -3,14 +3,9 @@
 #include <algorithm>
 
 #include "base/units.hpp"
-#include "contract/pose_difference.hpp"
 #include "contract/result_codes.hpp"
-#include "pipeline/lookalikes.hpp"
 #include "pipeline/neighbourhood.hpp"
 #include "pipeline/outline_pairs.hpp"
-#include "pipeline/pose_hold.hpp"
-#include "result/rivalry.hpp"
-#include "result/verdict.hpp"
 #include "search/from_primitive.hpp"
 #include "search/views.hpp"
 
@@ -36,33 +31,10 @@ constexpr std::size_t kLeastSample = 60;
 // Distances of search and alignment grow with the part.
 double fine_radius_mm(const PartModel& model) { return 0.03 * model.diagonal_mm; }
 
-// Poses that differ less have found the same place.
-constexpr double kSamePlaceShare = 0.012;  // of the diagonal
-constexpr double kSameTurn_rad = 0.05;
-
-bool same_place(const Candidate& a, const Candidate& b, const PartModel& model) {
-  if (a.model_index != b.model_index) return false;
-  const PoseDifference d = difference_modulo_symmetry(a.alignment.T_camera_part, b.alignment.T_camera_part, model);
-  return d.translation_mm < kSamePlaceShare * model.diagonal_mm && d.rotation_rad < kSameTurn_rad;
-}
-
 double strength(const result::Evidence& e) {
   return e.support * (1.0 - e.contradicted) * std::max(0.0, 1.0 - 4.0 * e.violated) * (1.0 - 0.5 * e.continued) *
          std::max(0.0, 1.0 - 2.0 * e.unexplained) * std::max(0.0, 1.0 - 4.0 * e.sunk);
 }
-
-// How many of the best candidates are finished, and what share of the best one's strength they must have.
-constexpr int kFinished = 4;
-constexpr double kWorthFinishing = 0.5;
-// A rival below this share of the champion's strength has lost already.
-constexpr double kRivalStrength = 0.8;
-constexpr int kFinishedRivals = 8;
-
-// Of each model, how many poses are tried that put nearly the same surface there.
-constexpr std::size_t kLookalikes = 3;
-
-// Along a freedom that is not held firmly other poses are looked for, so far away on the part's rim.
-constexpr std::array<double, 6> kExplored_mm{2.5, -2.5, 6.0, -6.0, 14.0, -14.0};
 
 // Where to look within an object that is none of the parts as a whole: round its highest point and those far from it.
 constexpr int kNeighbourhoods = 3;
@@ -85,10 +57,6 @@ primitives::PrimitiveQuery query_for(const result::Scene& scene, PrimitiveKind k
   query.min_share = least_share;
   query.max_trials = 400;
   return query;
-}
-
-result::Region region_of(const Object& object, int margin) {
-  return {object.row_min - margin, object.row_max + margin, object.col_min - margin, object.col_max + margin};
 }
 
 }  // namespace
@@ -280,6 +248,7 @@ void PoseFinder::weigh(const Context& context, Candidate& candidate) {
       result::weigh(drawing_, model, candidate.alignment.T_camera_part, context.scene,
                     {context.owner, {context.object.labels, static_cast<std::size_t>(context.object.label_count)}});
   candidate.strength = strength(candidate.evidence);
+  candidate.region = drawing_.region();
 }
 
 // The last alignment uses everything measured where the part is in sight, whatever segment it fell into.
@@ -301,160 +270,6 @@ void PoseFinder::finish(const Context& context, Candidate& candidate) {
   }
   weigh(context, candidate);
   candidate.evidence.blemishes = blemishes_.find(drawing_, context.scene, model.spacing_mm);
-}
-
-void PoseFinder::sort_by_strength() {
-  const auto first = candidates_.begin();
-  const auto stronger = [](const Candidate& a, const Candidate& b) { return a.strength > b.strength; };
-  // A stable sort of few by insertion: std::stable_sort takes its buffer from the heap.
-  for (auto next = first; next != first + candidate_count_; ++next) {
-    std::rotate(std::upper_bound(first, next, *next, stronger), next, next + 1);
-  }
-}
-
-// The strongest candidates are finished and judged in turn, until one is verified; what the strongest lacked is the
-// reason where none is.
-Attempt PoseFinder::decide(const Context& context) {
-  Attempt attempt;
-  if (candidate_count_ == 0) {
-    attempt.stage = Stage::kSearch;
-    attempt.reason =
-        failure(ResultCode::kNoHypothesis, "no template fits; a foreign object, or a part not taught").error();
-    return attempt;
-  }
-  sort_by_strength();
-  int finished = 0;
-  for (int i = 0; i < candidate_count_ && finished < kFinished; ++i) {
-    const Candidate& candidate = candidates_[static_cast<std::size_t>(i)];
-    if (candidate.strength < kWorthFinishing * candidates_.front().strength) break;
-    Candidate champion = candidate;
-    finish(context, champion);
-    keep_support();
-    const bool first = finished++ == 0;
-    auto verdict = trial(context, champion, i);
-    if ((verdict || only_blemished(context, champion)) && challenge(context, champion)) verdict = trial(context, champion, kNoIndex);
-    if (trace_ != nullptr) trace_->judged(champion, verdict);
-    if (verdict || first || verdict.error().code == ResultCode::kPoseAmbiguous) {
-      attempt.best = champion;
-      attempt.verified = verdict.has_value();
-      if (!verdict) attempt.reason = verdict.error();
-    }
-    if (verdict || verdict.error().code == ResultCode::kPoseAmbiguous) break;
-  }
-  return attempt;
-}
-
-// What the pose just finished explains, of whatever segment: the object's own sample may be a fragment that tells less.
-void PoseFinder::keep_support() {
-  support_count_ = std::min(pose_sample_count_, support_.size());
-  for (std::size_t i = 0; i < support_count_; ++i) support_[i] = pose_sample_[i * pose_sample_count_ / support_count_];
-}
-
-// Perhaps the part, but turned.
-bool PoseFinder::only_blemished(const Context& context, const Candidate& champion) const {
-  if (!champion.evidence.blemishes.any()) return false;
-  result::Evidence otherwise = champion.evidence;
-  otherwise.blemishes = {};
-  const PartModel& model = context.models[static_cast<std::size_t>(champion.model_index)];
-  return result::judge(otherwise, result::surface_tolerance_mm(context.scene, model.spacing_mm), {}).has_value();
-}
-
-// Looks for other poses that the search may not have met. Those found become candidates; the strongest of all is the
-// champion. Returns whether any was found.
-bool PoseFinder::challenge(const Context& context, Candidate& champion) {
-  const int before = candidate_count_;
-  explore(context, champion);
-  add_lookalikes(context, champion);
-  for (int i = before; i < candidate_count_; ++i) {
-    const Candidate& other = candidates_[static_cast<std::size_t>(i)];
-    const bool clean = !other.evidence.blemishes.any();
-    const bool cleaner = champion.evidence.blemishes.any() && other.strength > kRivalStrength * champion.strength;
-    if (clean && (cleaner || other.strength > champion.strength)) champion = other;
-  }
-  return candidate_count_ > before;
-}
-
-// Along the freedom that is held least: few points may hold it, and wrongly.
-void PoseFinder::explore(const Context& context, const Candidate& champion) {
-  const PartModel& model = context.models[static_cast<std::size_t>(champion.model_index)];
-  const auto freedom = loosest_freedom(champion.alignment, model);
-  if (!freedom) return;
-  for (const double rim_mm : kExplored_mm) {
-    Candidate other = champion;
-    other.alignment.T_camera_part = moved(champion.alignment.T_camera_part, rim_mm * *freedom, model);
-    add_challenger(context, champion, other);
-  }
-}
-
-void PoseFinder::add_lookalikes(const Context& context, const Candidate& champion) {
-  const PartModel& model = context.models[static_cast<std::size_t>(champion.model_index)];
-  const std::span<const OrientedPoint> sample = std::span(support_).first(support_count_);
-  const result::PartPose& pose = champion.alignment.T_camera_part;
-  for (int i = 0; i < static_cast<int>(context.models.size()); ++i) {
-    const PartModel& other_model = context.models[static_cast<std::size_t>(i)];
-    search::HypothesisPool pool(pool_storage_);
-    i == champion.model_index ? offer_turns(model, pose, sample, pool)
-                              : offer_other(model, pose, other_model, sample, pool);
-    std::array<Hypothesis, kLookalikes + 1> found;  // the champion itself is often among the turns
-    const std::size_t count =
-        pool.take_distinct(other_model, 0.04 * other_model.diagonal_mm, rad_from_deg(12.0), found);
-    for (std::size_t k = 0; k < count; ++k) {
-      Candidate other;
-      other.model_index = i;
-      other.hypothesis = found[k];
-      other.alignment.T_camera_part = found[k].T_camera_part;
-      add_challenger(context, champion, other);
-    }
-  }
-}
-
-// Aligned and finished, the other becomes a candidate, unless it ends where the champion is.
-void PoseFinder::add_challenger(const Context& context, const Candidate& champion, Candidate& other) {
-  if (candidate_count_ == kMaxCandidates) return;
-  const PartModel& model = context.models[static_cast<std::size_t>(champion.model_index)];
-  if (same_place(other, champion, model)) return;
-  align_fully(context, other);
-  if (same_place(other, champion, model)) return;
-  finish(context, other);
-  if (same_place(other, champion, model)) return;
-  candidates_[static_cast<std::size_t>(candidate_count_++)] = other;
-}
-
-Result<void> PoseFinder::trial(const Context& context, const Candidate& champion, int index) {
-  const PartModel& model = context.models[static_cast<std::size_t>(champion.model_index)];
-  const auto verdict = result::judge(champion.evidence, result::surface_tolerance_mm(context.scene, model.spacing_mm),
-                                     result::Requirements{});
-  if (!verdict) return verdict;
-  if (!determined(champion.alignment, model)) {
-    return failure(ResultCode::kPoseAmbiguous,
-                   "what is in view lets the part slide or turn; wait for a better view of it");
-  }
-  if (!beats_rivals(context, champion, index)) {
-    return failure(ResultCode::kPoseAmbiguous, "another pose fits as well; wait for a better view of the part");
-  }
-  return {};
-}
-
-bool PoseFinder::beats_rivals(const Context& context, const Candidate& champion, int index) {
-  const auto& model = context.models[static_cast<std::size_t>(champion.model_index)];
-  int finished = 0;
-  for (int i = 0; i < candidate_count_ && finished < kFinishedRivals; ++i) {
-    Candidate rival = candidates_[static_cast<std::size_t>(i)];
-    if (i == index || rival.strength < kRivalStrength * champion.strength || same_place(champion, rival, model))
-      continue;
-    // Small differences decide: both must be aligned as well as can be.
-    finish(context, rival);
-    ++finished;
-    if (rival.strength < kRivalStrength * champion.strength || same_place(champion, rival, model)) continue;
-    if (rival.evidence.blemishes.any()) continue;
-    const auto& other = context.models[static_cast<std::size_t>(rival.model_index)];
-    const result::Rivalry rivalry =
-        result::compare({model, champion.alignment.T_camera_part}, {other, rival.alignment.T_camera_part},
-                        context.scene, region_of(context.object, 20), 1);
-    if (trace_ != nullptr) trace_->compared(champion, rival, rivalry);
-    if (rivalry.same_object() && !result::prevails(rivalry)) return false;
-  }
-  return true;
 }
 
 }  // namespace beltpick::pipeline
