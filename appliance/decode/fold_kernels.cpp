@@ -267,37 +267,56 @@ BELTPICK_INLINE void resolve_twin(const Pixel* __restrict upright, const Pixel* 
   });
 }
 
-// The same in 16-bit numbers, a level squared being 128: for 8-bit levels without a share of the threshold, where the
-// noise stays below kMostSquared.
-constexpr float kMostSquared = 250.0F;
-
-BELTPICK_INLINE bool twin_noise_fits(const ThresholdRule& rule, std::uint16_t& floor_q7, std::uint16_t& shot_q7) {
-  const float noise = 4.0F * kWeakSigmas * kWeakSigmas * rule.noise_factor / (rule.to_level8 * rule.to_level8);
-  const float floor = noise * kCameraNoise.floor_variance;
-  const float shot = 0.5F * noise * kCameraNoise.shot_variance_per_level * rule.to_level8;
-  if (rule.weak_fraction > 0.0F || floor + 510.0F * shot > kMostSquared) return false;
-  floor_q7 = static_cast<std::uint16_t>(128.0F * floor + 0.5F);
-  shot_q7 = static_cast<std::uint16_t>(128.0F * shot + 0.5F);
-  return true;
-}
-
-BELTPICK_INLINE void resolve_twin_q7(const std::uint8_t* __restrict upright, const std::uint8_t* __restrict inverted,
-                                     int count, std::uint16_t floor_q7, std::uint16_t shot_q7,
-                                     std::uint8_t* __restrict bits) {
-  constexpr std::uint8_t kMostApart = 22;  // whose square is beyond kMostSquared, and 128 times that 16-bit
+// The same in 8-bit numbers.
+BELTPICK_INLINE void resolve_near_twins(const std::uint8_t* __restrict upright, const std::uint8_t* __restrict inverted,
+                                        int count, const TwinMargins& margins, std::uint8_t* __restrict bits) {
+  const std::uint8_t always = margins.always;
+  const auto above = margins.above;
   pack(count, bits, [=](int i) {
     const std::uint8_t up = upright[i];
     const std::uint8_t down = inverted[i];
     const auto apart = static_cast<std::uint8_t>(std::max(up, down) - std::min(up, down));
-    const std::uint16_t near = std::min(apart, kMostApart);
-    const auto squared_q7 = static_cast<std::uint16_t>(static_cast<std::uint16_t>(near * near) << 7);
-    const auto noise_q7 = static_cast<std::uint16_t>(floor_q7 + shot_q7 * static_cast<std::uint16_t>(up + down));
-    return Verdict{static_cast<std::uint8_t>(up > down ? 1 : 0),
-                   static_cast<std::uint8_t>(squared_q7 < noise_q7 ? 1 : 0)};
+    const auto middle = static_cast<std::uint8_t>((up + down + 1) >> 1);
+    // How many of `above` the middle exceeds, by halving them.
+    const bool beyond_4 = middle > above[3];
+    const std::uint8_t next_2 = beyond_4 ? above[5] : above[1];
+    const bool beyond_2 = middle > next_2;
+    const std::uint8_t lower_1 = beyond_2 ? above[2] : above[0];
+    const std::uint8_t upper_1 = beyond_2 ? above[6] : above[4];
+    const std::uint8_t next_1 = beyond_4 ? upper_1 : lower_1;
+    const auto near = static_cast<std::uint8_t>(always + (beyond_4 ? 4 : 0) + (beyond_2 ? 2 : 0) +
+                                                (middle > next_1 ? 1 : 0) + (middle > above[7] ? 1 : 0));
+    return Verdict{static_cast<std::uint8_t>(up > down ? 1 : 0), static_cast<std::uint8_t>(apart < near ? 1 : 0)};
   });
 }
 
 }  // namespace
+
+TwinMargins twin_margins(float to_level8) {
+  constexpr float kSquareOne = 128.0F;  // a level squared, in whole numbers
+  const float noise = kSquareOne * 4.0F * kWeakSigmas * kWeakSigmas * kTwinNoiseFactor / (to_level8 * to_level8);
+  const auto floor = static_cast<int>(noise * kCameraNoise.floor_variance + 0.5F);
+  const auto shot = static_cast<int>(0.5F * noise * kCameraNoise.shot_variance_per_level * to_level8 + 0.5F);
+  TwinMargins margins;
+  margins.above.fill(0xFF);
+  if (shot == 0) return margins;
+  std::size_t steps = 0;
+  for (int apart = 0; apart < 256; ++apart) {
+    const int beyond_floor = apart * apart * static_cast<int>(kSquareOne) - floor;
+    const int least_sum = beyond_floor < 0 ? 0 : beyond_floor / shot + 1;
+    const int least_middle = (least_sum + apart % 2 + 1) / 2;  // a sum is odd where the difference is
+    if (least_middle > 255) break;
+    if (least_sum == 0) {
+      ++margins.always;
+    } else if (steps < TwinMargins::kSteps) {
+      margins.above[steps++] = static_cast<std::uint8_t>(least_middle - 1);
+    } else {
+      return margins;
+    }
+  }
+  margins.known = true;
+  return margins;
+}
 
 BELTPICK_KERNEL
 void accumulate_row(const FringeRows<std::uint8_t>& rows, int count, std::int16_t* cosine, std::int16_t* sine,
@@ -354,10 +373,8 @@ void resolve_levels_row(const std::uint16_t* levels, const std::uint16_t* level,
 BELTPICK_KERNEL
 void resolve_twin_row(const std::uint8_t* upright, const std::uint8_t* inverted, int count, const ThresholdRule& rule,
                       std::uint8_t* bits) {
-  std::uint16_t floor_q7 = 0;
-  std::uint16_t shot_q7 = 0;
-  if (twin_noise_fits(rule, floor_q7, shot_q7)) {
-    resolve_twin_q7(upright, inverted, count, floor_q7, shot_q7, bits);
+  if (rule.weak_fraction == 0.0F && rule.twin_margins != nullptr && rule.twin_margins->known) {
+    resolve_near_twins(upright, inverted, count, *rule.twin_margins, bits);
   } else {
     resolve_twin(upright, inverted, count, rule, bits);
   }

@@ -33,12 +33,24 @@ void accumulate_row(const FringeRows<std::uint16_t>& rows, int count, float* cos
 void widen_extremes_row(const std::uint8_t* levels, int count, bool first, std::uint8_t* white, std::uint8_t* black);
 void widen_extremes_row(const std::uint16_t* levels, int count, bool first, std::uint16_t* white, std::uint16_t* black);
 
+// Where the bit of 8-bit twins is weak by noise alone: their difference is less than `always`, or exceeds it by no more
+// than the number of the levels `above` that their mean, rounded up, lies above.
+struct TwinMargins {
+  static constexpr std::size_t kSteps = 8;
+  bool known = false;  // false: noise needs more steps
+  std::uint8_t always = 0;
+  std::array<std::uint8_t, kSteps> above{};  // ascending; 255: never
+};
+inline constexpr float kTwinNoiseFactor = 0.5F;  // half the difference of two frames
+TwinMargins twin_margins(float to_level8);
+
 // How the level that parts bright from dark is found.
 struct ThresholdRule {
-  float to_level8 = 1.0F;      // 255 / full_scale
-  float scale = 1.0F;          // of the threshold
-  float noise_factor = 1.0F;   // variance of (level - threshold) over that of one grey level
-  float weak_fraction = 0.0F;  // see GrayCode
+  float to_level8 = 1.0F;                     // 255 / full_scale
+  float scale = 1.0F;                         // of the threshold
+  float noise_factor = 1.0F;                  // variance of (level - threshold) over that of one grey level
+  float weak_fraction = 0.0F;                 // see GrayCode
+  const TwinMargins* twin_margins = nullptr;  // the same worked out for twins; may be null
 };
 
 // A Gray frame's threshold in whole levels: bright is above `level`; a bit is weak where a threshold moved by `reach`

@@ -33,8 +33,9 @@ void resolve_twins_row(const RowContext& context, const GrayCode& code, const Re
                        int row, std::uint8_t* bits) {
   const Threshold& threshold = code.bits[static_cast<std::size_t>(work.bit)].threshold;
   const ThresholdRule rule{.to_level8 = context.to_level8(),
-                           .noise_factor = 0.5F,  // half the difference of two frames
-                           .weak_fraction = code.weak_fraction};
+                           .noise_factor = kTwinNoiseFactor,
+                           .weak_fraction = code.weak_fraction,
+                           .twin_margins = &context.twin_margins};
   const Pixel* other = context.store.row<const Pixel>(threshold.plane, row);
   resolve_twin_row(work.inverted ? other : levels, work.inverted ? levels : other, context.cols, rule, bits);
 }

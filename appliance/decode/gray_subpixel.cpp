@@ -21,10 +21,9 @@ constexpr Step kFall = 2;   // the next lower one
 constexpr Step kSame = 4;   // the same cell: one run
 
 template <class Lane>
-BELTPICK_INLINE void take_steps(const std::uint16_t* __restrict cell, const PixelState* __restrict state, int count,
-                                Lane* __restrict step) {
-  step[0] = kBreak;
-  for (int i = 1; i < count; ++i) {
+BELTPICK_INLINE void take_steps_of(const std::uint16_t* __restrict cell, const PixelState* __restrict state, int first,
+                                   int end, Lane* __restrict step) {
+  for (int i = first; i < end; ++i) {
     const std::uint16_t higher = std::max(cell[i], cell[i - 1]);
     const std::uint16_t lower = std::min(cell[i], cell[i - 1]);
     const std::uint16_t next = cell[i] == higher ? kRise : kFall;
@@ -33,6 +32,19 @@ BELTPICK_INLINE void take_steps(const std::uint16_t* __restrict cell, const Pixe
     const bool valid = state[i] == PixelState::kValid && state[i - 1] == PixelState::kValid;
     step[i] = valid ? static_cast<Lane>(moved) : Lane{kBreak};
   }
+}
+
+// Of pixels 1 on, in whole vectors: the last may take some pixels again.
+template <class Lane>
+BELTPICK_INLINE void take_steps(const std::uint16_t* cell, const PixelState* state, int count, Lane* step) {
+  constexpr int kTogether = 64;
+  step[0] = kBreak;
+  if (count <= kTogether) {
+    take_steps_of(cell, state, 1, count, step);
+    return;
+  }
+  take_steps_of(cell, state, 1, 1 + (count - 1) / kTogether * kTogether, step);
+  take_steps_of(cell, state, count - kTogether, count, step);
 }
 
 // Whether the pixel to the left, or to the right, is of the same run.
