@@ -67,6 +67,12 @@ struct PartModel {
   [[nodiscard]] const OrientedPoint& nearest(const Vec3f& at_part_mm) const {
     return surface[tree == nullptr ? grid.nearest(at_part_mm) : tree->nearest(at_part_mm)];
   }
+  // At least so far is a place in the part frame from the surface: it lies so far outside the part's box.
+  [[nodiscard]] float outside_box_mm(const Vec3f& at_part_mm) const {
+    const Vec3f low = box_min_mm.cast<float>() - at_part_mm;
+    const Vec3f high = at_part_mm - box_max_mm.cast<float>();
+    return low.cwiseMax(high).maxCoeff();
+  }
   [[nodiscard]] bool symmetric() const { return revolution || sphere || symmetry_count > 0; }
   [[nodiscard]] std::span<const Primitive> taught() const {
     return {primitives.data(), static_cast<std::size_t>(primitive_count)};

@@ -248,6 +248,7 @@ bool Locator::touches_neighbour(const result::Scene& scene, const PartModel& mod
     for (int col = 0; col < scene.labels.cols; col += kStep) {
       if (scene.labels(row, col) == 0 || !scene.range.valid(row, col)) continue;
       const Vec3f at = (T_part_camera * scene.range.point_mm(row, col).cast<double>()).cast<float>();
+      if (model.outside_box_mm(at) > own_mm + kTouch_mm) continue;
       const float distance = (model.nearest(at).point_mm - at).norm();
       touching += distance > own_mm && distance < own_mm + kTouch_mm ? 1 : 0;
     }

@@ -40,6 +40,7 @@ void ObjectBook::begin(const result::Scene& scene, std::span<const Segment> segm
     entry_of_label_[segments[i].label] = static_cast<std::uint16_t>(i + 1);
   }
   smallest_view_mm2_ = smallest_view_mm2;
+  recount_due_ = true;
 }
 
 ObjectBook::Entry* ObjectBook::entry(std::uint16_t label) {
@@ -54,6 +55,8 @@ const ObjectBook::Entry* ObjectBook::entry(std::uint16_t label) const {
 
 // What is left of each segment: its pixels, their box, and the surface they see.
 void ObjectBook::recount(const result::Scene& scene) {
+  if (!recount_due_) return;
+  recount_due_ = false;
   for (Entry& e : entries_.first(entry_count_)) {
     e.segment.pixels = 0;
     e.segment.row_min = owner_.rows, e.segment.row_max = -1, e.segment.col_min = owner_.cols, e.segment.col_max = -1;
@@ -160,7 +163,8 @@ bool ObjectBook::searched_already(const Object& object) const {
 void ObjectBook::explain(const result::Scene& scene, const PartModel& model, const result::PartPose& T_camera_part,
                          const result::Region& region) {
   // Rims are measured less well than the surfaces that the tolerance is made for.
-  const float tolerance_mm = static_cast<float>(3.0 * result::surface_tolerance_mm(scene, model.spacing_mm));
+  const float reach_mm =
+      static_cast<float>(3.0 * result::surface_tolerance_mm(scene, model.spacing_mm)) + model.spacing_mm;
   const auto T_part_camera = T_camera_part.inverse();
   const Eigen::Matrix3f rotation = T_part_camera.rotation.cast<float>();
   const Vec3f translation = T_part_camera.translation_mm.cast<float>();
@@ -168,9 +172,11 @@ void ObjectBook::explain(const result::Scene& scene, const PartModel& model, con
     for (int col = std::max(0, region.col_min); col <= std::min(owner_.cols - 1, region.col_max); ++col) {
       if (owner_(row, col) == 0 || !scene.range.valid(row, col)) continue;
       const Vec3f at = rotation * scene.range.point_mm(row, col) + translation;
-      if ((model.nearest(at).point_mm - at).norm() < tolerance_mm + model.spacing_mm) owner_(row, col) = 0;
+      if (model.outside_box_mm(at) > reach_mm + 0.01F) continue;
+      if ((model.nearest(at).point_mm - at).squaredNorm() < reach_mm * reach_mm) owner_(row, col) = 0;
     }
   }
+  recount_due_ = true;
 }
 
 void ObjectBook::failed(const Object& object, const Attempt& attempt) {

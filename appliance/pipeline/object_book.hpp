@@ -69,6 +69,7 @@ class ObjectBook {
   std::span<Object> objects_;
   std::size_t object_count_ = 0;
   double smallest_view_mm2_ = 0.0;
+  bool recount_due_ = true;  // pixels were taken away since the last one
   Effort effort_ = Effort::kPrimitives;
 };
 

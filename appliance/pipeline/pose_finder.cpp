@@ -27,6 +27,11 @@ struct Breadth {
 constexpr Breadth kByPrimitives{40, 6};
 constexpr Breadth kByViews{kMaxShortlist, 10};  // nothing tells them which way the part lies
 constexpr std::size_t kLeastSample = 60;
+// What is worth a full alignment: of the best first impression among all models, at least this share. Poses that end
+// nearly as strong as the strongest have made at least 0.7 of it, four of five others less than 0.1. Where no
+// impression is good, all are tried.
+constexpr double kLeastImpression = 0.4;
+constexpr double kGoodImpression = 0.2;
 
 // Distances of search and alignment grow with the part.
 double fine_radius_mm(const PartModel& model) { return 0.03 * model.diagonal_mm; }
@@ -130,6 +135,7 @@ Attempt PoseFinder::try_route(const Context& context, Effort route) {
     trace_->begins({context.scene, context.owner, context.object, context.models, sample(), route});
   candidate_count_ = 0;
   for (int i = 0; i < static_cast<int>(context.models.size()); ++i) collect(context, i, route);
+  weigh_shortlist(context, route);
   const Attempt attempt = decide(context);
   if (trace_ != nullptr) trace_->ends(attempt);
   return attempt;
@@ -210,25 +216,41 @@ void PoseFinder::shortlist(const Context& context, int model_index, Effort route
     candidate.hypothesis = hypotheses[i];
     candidate.alignment =
         icp::align(sample, model, hypotheses[i].T_camera_part, stages, icp::Noise{context.scene.noise_mm});
+    const auto end = tried.begin() + static_cast<std::ptrdiff_t>(distinct);
+    const auto before =
+        std::find_if(tried.begin(), end, [&](const Candidate& c) { return same_place(candidate, c, model); });
     candidate.impression =
-        result::first_impression(model, candidate.alignment.T_camera_part, context.scene, tolerance_mm);
+        before != end ? before->impression
+                      : result::first_impression(model, candidate.alignment.T_camera_part, context.scene, tolerance_mm);
     if (trace_ != nullptr) trace_->aligned_coarsely(candidate);
-    const auto found_before = [&](const Candidate& other) { return same_place(candidate, other, model); };
-    if (std::none_of(tried.begin(), tried.begin() + static_cast<std::ptrdiff_t>(distinct), found_before)) {
-      tried[distinct++] = candidate;
-    }
+    if (before == end) tried[distinct++] = candidate;
   }
-  const auto most = std::min(distinct, breadth.full);
+  const auto most = std::min({distinct, breadth.full, static_cast<std::size_t>(kMaxCandidates - candidate_count_)});
   std::partial_sort(tried.begin(), tried.begin() + static_cast<std::ptrdiff_t>(most),
                     tried.begin() + static_cast<std::ptrdiff_t>(distinct),
                     [](const Candidate& a, const Candidate& b) { return a.impression > b.impression; });
-  for (std::size_t i = 0; i < most && candidate_count_ < kMaxCandidates; ++i) {
-    Candidate& candidate = candidates_[static_cast<std::size_t>(candidate_count_)];
-    candidate = tried[i];
+  std::copy_n(tried.begin(), most, candidates_.begin() + candidate_count_);
+  candidate_count_ += static_cast<int>(most);
+}
+
+// Aligns with the whole sample and weighs what is listed. The first route leaves out what makes no impression beside
+// the best, of all models, and what ends where another one has ended; those after it spare nothing.
+void PoseFinder::weigh_shortlist(const Context& context, Effort route) {
+  const bool sparing = route == Effort::kPrimitives;
+  const auto listed = std::span(candidates_).first(static_cast<std::size_t>(candidate_count_));
+  double best = 0.0;
+  for (const Candidate& candidate : listed) best = std::max(best, candidate.impression);
+  candidate_count_ = 0;
+  for (const Candidate& coarse : listed) {
+    if (sparing && best > kGoodImpression && coarse.impression < kLeastImpression * best) continue;
+    Candidate candidate = coarse;
     align_fully(context, candidate);
+    const PartModel& model = context.models[static_cast<std::size_t>(candidate.model_index)];
+    const auto ended_before = [&](const Candidate& other) { return same_place(candidate, other, model); };
+    if (sparing && std::any_of(candidates_.begin(), candidates_.begin() + candidate_count_, ended_before)) continue;
     weigh(context, candidate);
     if (trace_ != nullptr) trace_->weighed(candidate);
-    ++candidate_count_;
+    candidates_[static_cast<std::size_t>(candidate_count_++)] = candidate;
   }
 }
 

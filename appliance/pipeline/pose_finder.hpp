@@ -61,6 +61,7 @@ class PoseFinder {
   void tell_found(const Context& context, const PartModel& model, const Primitive& found);
   int find_primitives(const Context& context, const PartModel& model, std::span<Primitive> found);
   void shortlist(const Context& context, int model_index, Effort route, search::HypothesisPool& pool);
+  void weigh_shortlist(const Context& context, Effort route);
   void align_fully(const Context& context, Candidate& candidate);
   void weigh(const Context& context, Candidate& candidate);
   void finish(const Context& context, Candidate& candidate);

@@ -6,6 +6,8 @@ namespace beltpick::result {
 
 namespace {
 
+constexpr float kRounding_mm = 1e-2F;  // a box and the points in it are rounded each by itself
+
 bool reaches(const Rival& from, const Rival& to, double reach_mm) {
   const auto T_to_from = to.T_camera_part.inverse() * from.T_camera_part;
   // Points between two of those looked at lie nearer by up to half their distance.
@@ -14,6 +16,7 @@ bool reaches(const Rival& from, const Rival& to, double reach_mm) {
   for (std::size_t i = 0; i < from.model.surface.size(); i += stride) {
     const Vec3 place = from.model.surface[i].point_mm.cast<double>();
     const Vec3f at = (T_to_from.rotation * place + T_to_from.translation_mm).cast<float>();
+    if (to.model.outside_box_mm(at) > reach + kRounding_mm) continue;
     if ((to.model.nearest(at).point_mm - at).squaredNorm() < reach * reach) return true;
   }
   return false;

@@ -17,8 +17,9 @@ struct Tolerance {
   float free_space_mm;
 };
 
-int pixel_row(const VisiblePoint& point) { return static_cast<int>(std::lround(point.row_px)); }
-int pixel_column(const VisiblePoint& point) { return static_cast<int>(std::lround(point.column_px)); }
+// Of points inside the image: nothing to round is negative.
+int pixel_row(const VisiblePoint& point) { return static_cast<int>(point.row_px + 0.5F); }
+int pixel_column(const VisiblePoint& point) { return static_cast<int>(point.column_px + 0.5F); }
 
 // One measured point against the surface expected on its line of sight.
 Finding compare(const Vec3f& measured, const Vec3f& expected, const Vec3f& normal, const Tolerance& tolerance) {
@@ -31,9 +32,9 @@ Finding compare(const Vec3f& measured, const Vec3f& expected, const Vec3f& norma
 }
 
 // Whether the light falls on the surface: what is turned away from the projector is not measured.
-bool lit(const VisiblePoint& point, const std::optional<Vec3>& light_mm) {
+bool lit(const VisiblePoint& point, const std::optional<Vec3f>& light_mm) {
   if (!light_mm) return true;
-  const Vec3f toward = light_mm->cast<float>() - point.point_mm;
+  const Vec3f toward = *light_mm - point.point_mm;
   return point.normal.dot(toward) > 0.15F * toward.norm();
 }
 
@@ -106,8 +107,10 @@ Evidence weigh(const Drawing& drawing, const PartModel& model, const PartPose& T
   Evidence evidence;
   double total = 0.0, inside = 0.0, matched = 0.0, violated = 0.0, occluded = 0.0, contradicted = 0.0, shadowed = 0.0,
          unexplained = 0.0, square_mm2 = 0.0;
+  std::optional<Vec3f> light_mm;
+  if (scene.light_mm) light_mm = scene.light_mm->cast<float>();
   for (const VisiblePoint& point : drawing.visible()) {
-    if (!lit(point, scene.light_mm)) continue;
+    if (!lit(point, light_mm)) continue;
     total += point.area;
     if (!point.in_image) continue;
     inside += point.area;

@@ -20,6 +20,7 @@ class OnSurface {
 
   [[nodiscard]] bool holds(const Vec3f& measured_mm) const {
     const Vec3f at = rotation_ * measured_mm + translation_;
+    if (model_.outside_box_mm(at) > aside_mm_ + 0.01F) return false;
     const OrientedPoint& nearest = model_.nearest(at);
     const Vec3f apart = at - nearest.point_mm;
     return std::abs(nearest.normal.dot(apart)) < tolerance_mm_ && apart.squaredNorm() < aside_mm_ * aside_mm_;

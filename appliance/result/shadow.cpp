@@ -105,8 +105,11 @@ void ShadowMap::aim(const RangeImage& range) {
 ShadowMap::Cell ShadowMap::look(const Vec3f& point_mm) const {
   const Vec3f p = R_light_camera_ * (point_mm - *light_mm_);
   if (p.z() <= 0.0F) return {};
-  const int row = static_cast<int>(std::floor((p.y() / p.z() - tan_top_) * cells_per_tan_));
-  const int col = static_cast<int>(std::floor((p.x() / p.z() - tan_left_) * cells_per_tan_));
+  const float down = (p.y() / p.z() - tan_top_) * cells_per_tan_;
+  const float right = (p.x() / p.z() - tan_left_) * cells_per_tan_;
+  if (!(down >= 0.0F && right >= 0.0F)) return {};
+  const int row = static_cast<int>(down);
+  const int col = static_cast<int>(right);
   if (!lit_mm_.contains(row, col)) return {};
   return {row, col, p.norm()};
 }

@@ -50,7 +50,8 @@ int Components::find(const RangeImage& range, std::span<const std::uint8_t> mask
       for (const auto& [down, right] : kNeighbours) {
         if (row + down >= rows || col + right >= cols || col + right < 0) continue;
         const std::int32_t there = here + down * cols + right;
-        if (parent_[there] < 0) continue;
+        // Most neighbours hang together by way of others already.
+        if (parent_[there] < 0 || parent_[there] == parent_[here]) continue;
         if (linked(range.point_mm(row, col), range.point_mm(row + down, col + right), scale)) unite(here, there);
       }
     }

@@ -48,23 +48,26 @@ void Segmenter::mark_objects(const RangeImage& range, const Scale& scale, const 
   }
 }
 
-// Erosion and dilation by a cross: links one pixel wide fall away.
+// Erosion and dilation by a cross: links one pixel wide fall away. Beyond the border lies what lies on it.
 void Segmenter::open_mask(int rows, int cols) {
-  const auto cross = [cols, rows](std::span<const std::uint8_t> from, std::span<std::uint8_t> to, auto combine) {
+  const auto cross = [cols, rows](const std::uint8_t* from, std::uint8_t* to, auto combine) {
     for (int row = 0; row < rows; ++row) {
-      for (int col = 0; col < cols; ++col) {
-        const int p = row * cols + col;
-        int value = from[p];
-        if (row > 0) value = combine(value, int{from[p - cols]});
-        if (row + 1 < rows) value = combine(value, int{from[p + cols]});
-        if (col > 0) value = combine(value, int{from[p - 1]});
-        if (col + 1 < cols) value = combine(value, int{from[p + 1]});
-        to[p] = static_cast<std::uint8_t>(value);
-      }
+      const std::uint8_t* here = from + row * cols;
+      const std::uint8_t* above = row > 0 ? here - cols : here;
+      const std::uint8_t* below = row + 1 < rows ? here + cols : here;
+      std::uint8_t* out = to + row * cols;
+      const auto at = [&](int col, int left, int right) {
+        const std::uint8_t beside = combine(here[left], here[right]);
+        out[col] = combine(combine(beside, here[col]), combine(above[col], below[col]));
+      };
+      at(0, 0, std::min(1, cols - 1));
+      for (int col = 1; col + 1 < cols; ++col) at(col, col - 1, col + 1);
+      at(cols - 1, std::max(0, cols - 2), cols - 1);
     }
   };
-  cross(mask_, opened_, [](int a, int b) { return std::min(a, b); });
-  cross(opened_, mask_, [](int a, int b) { return std::max(a, b); });
+  using Byte = std::uint8_t;
+  cross(mask_.data(), opened_.data(), [](Byte a, Byte b) { return std::min(a, b); });
+  cross(opened_.data(), mask_.data(), [](Byte a, Byte b) { return std::max(a, b); });
 }
 
 // Poorly measured pixels may not link objects, but belong to the one they lie on.
