@@ -6,15 +6,22 @@
 
 #include "contract/result_codes.hpp"
 #include "contract_io/calibration_io.hpp"
+#include "contract_io/mesh_io.hpp"
 #include "pipeline/lens_fit.hpp"
 #include "pipeline/pipeline.hpp"
+#include "scans/organise.hpp"
 
 namespace beltpick::cli {
 
 Result<std::unique_ptr<RangeInput>> RangeInput::read(const std::string& path, const std::string& calibration,
                                                      contract_io::Warnings& warnings, bool quiet) {
   std::unique_ptr<RangeInput> input(new RangeInput);
-  const bool cloud = std::filesystem::path(path).extension() == ".npy";
+  const std::filesystem::path extension = std::filesystem::path(path).extension();
+  if (extension == ".ply") {
+    if (auto done = input->read_points(path); !done) return std::unexpected(done.error());
+    return input;
+  }
+  const bool cloud = extension == ".npy";
   if (!cloud && calibration.empty()) {
     return failure(ResultCode::kUsage, "%s: a capture needs --calibration: points come from the geometry",
                    path.c_str());
@@ -48,6 +55,23 @@ Result<void> RangeInput::read_cloud(const std::string& path, contract_io::Warnin
   const auto lens = pipeline::fit_lens(range_);
   if (!lens) return failure(lens.error().code, "%s: %s", path.c_str(), lens.error().detail);
   lens_ = *lens;
+  id_ = std::filesystem::path(path).stem().string();
+  shade();
+  return {};
+}
+
+Result<void> RangeInput::read_points(const std::string& path) {
+  auto cloud = contract_io::read_mesh(path, 1.0);
+  if (!cloud) return std::unexpected(cloud.error());
+  if (!cloud->face.empty()) {
+    return failure(ResultCode::kFormatInvalid, "%s: expected a scan's points, found a mesh of %zu faces", path.c_str(),
+                   cloud->face.size());
+  }
+  auto organised = scans::organise(*cloud, path);
+  if (!organised) return std::unexpected(organised.error());
+  lens_ = organised->lens;
+  cloud_ = {organised->rows, organised->cols, std::move(organised->point_mm)};
+  range_ = cloud_.view();
   id_ = std::filesystem::path(path).stem().string();
   shade();
   return {};

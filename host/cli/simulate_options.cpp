@@ -58,7 +58,7 @@ void add_light_options(CLI::App& app, SimulateOptions& options) {
 }  // namespace
 
 const std::vector<std::string>& lay_names() {
-  static const std::vector<std::string> names{"flat", "edge", "any", "leaning", "cut", "dropped"};
+  static const std::vector<std::string> names{"flat", "edge", "any", "leaning", "cut", "dropped", "propped"};
   return names;
 }
 
@@ -73,7 +73,8 @@ void add_simulate_options(CLI::App& app, SimulateOptions& options) {
   app.add_option("--parts", options.parts_in_view,
                  "parts in view of a belt (default 3); live: on the belt (default 24)")
       ->check(CLI::Range(1, 100'000));
-  app.add_option("--lay", options.lays, "how each of them lies: flat, edge, any, leaning, cut")
+  app.add_option("--lay", options.lays,
+                 "how each of them lies: flat, edge, any, leaning, cut, propped (any orientation, as held by hand)")
       ->delimiter(',')
       ->check(CLI::IsMember(lay_names()));
   app.add_option("--seed", options.seed, "of scene, surfaces and noise (default 1)");

@@ -10,6 +10,7 @@
 #include "contract_io/template_io.hpp"
 #include "options.hpp"
 #include "progress.hpp"
+#include "scan_input.hpp"
 #include "teach/report.hpp"
 #include "teach/teach.hpp"
 #include "teach/units.hpp"
@@ -20,7 +21,8 @@ namespace {
 constexpr std::array kKinds{"plane", "cylinder", "sphere"};
 
 struct TeachCommand {
-  std::string mesh;
+  std::vector<std::string> files;
+  std::string calibration;
   std::string units = "mm";
   std::string out;
   std::string grasps;
@@ -77,17 +79,43 @@ Result<std::vector<Grasp>> grasps_of(const TeachCommand& command) {
   return contract_io::read_grasps(command.grasps);
 }
 
+// The part's surface as it was modelled, or as its scans give it.
+struct Source {
+  Mesh mesh;
+  std::optional<scans::Stitched> stitched;
+};
+
+Result<Source> read_source(const TeachCommand& command, const Session& session) {
+  Source source;
+  if (!are_scans(command.files)) {
+    auto mesh = contract_io::read_mesh(command.files.front(), teach::mm_per_unit(command.units));
+    if (!mesh) return std::unexpected(mesh.error());
+    source.mesh = std::move(*mesh);
+    return source;
+  }
+  if (command.units != "mm") {
+    return failure(ResultCode::kUsage, "--units %s: scans are in mm; scale them, or leave --units off",
+                   command.units.c_str());
+  }
+  auto stitched = stitch_scans(command.files, command.calibration, session);
+  if (!stitched) return std::unexpected(stitched.error());
+  session.warn(stitched->warnings);
+  source.mesh = stitched->surface;
+  source.stitched = std::move(*stitched);
+  return source;
+}
+
 Result<void> run(const TeachCommand& command, Session& session) {
   Progress progress("teach", 3, session.json);
-  auto mesh = contract_io::read_mesh(command.mesh, teach::mm_per_unit(command.units));
-  if (!mesh) return std::unexpected(mesh.error());
+  auto source = read_source(command, session);
+  if (!source) return std::unexpected(source.error());
   auto grasps = grasps_of(command);
   if (!grasps) return std::unexpected(grasps.error());
   progress.show(1);
   const teach::TeachOptions options{.points = static_cast<std::size_t>(command.points),
                                     .mm_per_unit = teach::mm_per_unit(command.units)};
-  auto taught = teach::teach(std::move(*mesh), std::move(*grasps), options);
-  if (!taught) return failure(taught.error().code, "%s: %s", command.mesh.c_str(), taught.error().detail);
+  auto taught = teach::teach(std::move(source->mesh), std::move(*grasps), options);
+  if (!taught) return failure(taught.error().code, "%s: %s", command.files.front().c_str(), taught.error().detail);
   if (!command.grasps.empty()) {
     const auto gripper = contract_io::read_gripper(command.grasps);
     if (!gripper) return std::unexpected(gripper.error());
@@ -101,7 +129,9 @@ Result<void> run(const TeachCommand& command, Session& session) {
   }
   progress.show(3);
   session.warn(taught->warnings);
-  session.answer(json_of(*taught, command), text_of(*taught, command));
+  contract_io::Json answer = json_of(*taught, command);
+  if (source->stitched) answer["stitched"] = scans_json(*source->stitched);
+  session.answer(answer, text_of(*taught, command) + (source->stitched ? scans_text(*source->stitched) : ""));
   return {};
 }
 
@@ -109,9 +139,14 @@ Result<void> run(const TeachCommand& command, Session& session) {
 
 Run add_teach(CLI::App& app) {
   const auto command = std::make_shared<TeachCommand>();
-  app.add_option("mesh", command->mesh, "the part: STL, PLY or OBJ; a PLY without faces is taken as a scan")
+  app.add_option(
+         "files", command->files,
+         "the part: a mesh (STL, PLY, OBJ), a finished scan (one PLY without faces), or several scans of it from "
+         "different sides: captures, organised clouds (.npy), point clouds (.ply, camera frame)")
       ->required()
-      ->type_name("FILE");
+      ->type_name("FILE...");
+  app.add_option("--calibration", command->calibration, "of the captures' camera and projector")
+      ->type_name("calibration.json");
   std::vector<std::string> units;
   for (const teach::Unit& unit : teach::kUnits) units.emplace_back(unit.name);
   app.add_option("--units", command->units, "of the file's coordinates (default mm)")->check(CLI::IsMember(units));
@@ -122,7 +157,9 @@ Run add_teach(CLI::App& app) {
   app.add_option("--points", command->points, "points of the template (default 36600)")
       ->check(CLI::Range(500, Limits{}.template_points));
   app.add_option("--report", command->report, "folder for a page with pictures of what was found")->type_name("DIR");
-  example(app, "  beltpick teach knuckle.stl --units mm --grasps grasps.toml --out knuckle.template --report report");
+  example(app,
+          "  beltpick teach knuckle.stl --units mm --grasps grasps.toml --out knuckle.template --report report\n"
+          "  beltpick teach scan0 scan1 scan2 scan3 scan4 scan5 --calibration calibration.json --out part.template");
   return [command](Session& session) { return run(*command, session); };
 }
 

@@ -96,8 +96,20 @@ int SceneMaker::State::choice(int part, Random& random) const {
   return part == PartLay::kDrawn ? static_cast<int>(random.below(static_cast<std::uint32_t>(parts.size()))) : part;
 }
 
+// Any orientation, all as likely (Shoemake's uniform quaternions).
+Mat3 any_orientation(Random& random) {
+  const double share = random.uniform();
+  const double one = random.uniform(0.0, 2.0 * kPi);
+  const double two = random.uniform(0.0, 2.0 * kPi);
+  const double inner = std::sqrt(1.0 - share);
+  const double outer = std::sqrt(share);
+  return Eigen::Quaterniond(outer * std::cos(two), inner * std::sin(one), inner * std::cos(one), outer * std::sin(two))
+      .toRotationMatrix();
+}
+
 // A resting pose fit for the way of laying, turned about the vertical at random.
 Mat3 SceneMaker::State::orientation(int part, Lay lay, Random& random) const {
+  if (lay == Lay::kPropped) return any_orientation(random);
   const std::vector<RestingPose>& poses = resting[part];
   double lowest = poses.front().height_mm;
   double highest = lowest;

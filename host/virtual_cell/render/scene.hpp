@@ -20,7 +20,8 @@ enum class Lay : std::uint8_t {
   kAny,      // any resting pose, as often as it falls so
   kLeaning,  // dropped onto the part laid before it, and left to settle
   kCut,      // as kAny, but partly outside the view
-  kDropped   // let down onto the parts before it, tilted, and held where it first touches: a heap without settling
+  kDropped,  // let down onto the parts before it, tilted, and held where it first touches: a heap without settling
+  kPropped   // in any orientation, held so by a prop that is not seen: as one turns a part to scan it from all sides
 };
 
 // A part to be laid: which of the parts, or one drawn by seed.
