@@ -14,6 +14,7 @@
 #include "teach/report.hpp"
 #include "teach/teach.hpp"
 #include "teach/units.hpp"
+#include "twin_check.hpp"
 
 namespace beltpick::cli {
 namespace {
@@ -22,6 +23,7 @@ constexpr std::array kKinds{"plane", "cylinder", "sphere"};
 
 struct TeachCommand {
   std::vector<std::string> files;
+  std::vector<std::string> against;
   std::string calibration;
   std::string units = "mm";
   std::string out;
@@ -122,6 +124,8 @@ Result<void> run(const TeachCommand& command, Session& session) {
     taught->part.gripper = *gripper;
   }
   progress.show(2);
+  const auto twins = check_twins(taught->part, command.against, session);
+  if (!twins) return std::unexpected(twins.error());
   if (auto written = contract_io::write_template(command.out, taught->part); !written) return written;
   if (!command.report.empty()) {
     const std::string name = std::filesystem::path(command.out).stem().string();
@@ -131,7 +135,9 @@ Result<void> run(const TeachCommand& command, Session& session) {
   session.warn(taught->warnings);
   contract_io::Json answer = json_of(*taught, command);
   if (source->stitched) answer["stitched"] = scans_json(*source->stitched);
-  session.answer(answer, text_of(*taught, command) + (source->stitched ? scans_text(*source->stitched) : ""));
+  if (!command.against.empty()) answer["against"] = twins->answer;
+  session.answer(answer,
+                 text_of(*taught, command) + (source->stitched ? scans_text(*source->stitched) : "") + twins->text);
   return {};
 }
 
@@ -147,6 +153,9 @@ Run add_teach(CLI::App& app) {
       ->type_name("FILE...");
   app.add_option("--calibration", command->calibration, "of the captures' camera and projector")
       ->type_name("calibration.json");
+  app.add_option("--against", command->against,
+                 "templates that will be loaded together with this one: are they told apart, and from which sides not?")
+      ->type_name("TEMPLATE...");
   std::vector<std::string> units;
   for (const teach::Unit& unit : teach::kUnits) units.emplace_back(unit.name);
   app.add_option("--units", command->units, "of the file's coordinates (default mm)")->check(CLI::IsMember(units));
