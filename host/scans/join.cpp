@@ -16,7 +16,8 @@ constexpr std::size_t kLookedUp = 500;
 // A scan that joins shares so much of its points with one of the others, and contradicts all of them by no more.
 constexpr double kLeastShared = 0.06;
 constexpr double kMostContradicting = 0.03;
-constexpr double kSecondMerit = 0.95;
+// A combination that reaches this share of the best one's merit is as likely.
+constexpr double kSecondMerit = 0.96;
 
 // How `scan` may lie on `model`.
 struct Edge {
@@ -127,13 +128,14 @@ class Joiner {
     states = std::move(kept);
   }
 
-  [[nodiscard]] State search() const {
+  // The best combinations of most scans, best first.
+  [[nodiscard]] std::vector<State> search() const {
     std::vector<State> beam = begin();
     prune(beam);
-    State best;
-    best.pose.resize(views_.size());
+    std::vector<State> best(1);
+    best.front().pose.resize(views_.size());
     while (!beam.empty()) {
-      best = beam.front();
+      best = beam;
       std::vector<State> next;
       for (const State& state : beam) {
         for (State& grown : grow(state)) next.push_back(std::move(grown));
@@ -144,25 +146,34 @@ class Joiner {
     return best;
   }
 
-  // Places of a scan that the others welcome almost as warmly as the one chosen.
-  void find_second(const State& state, std::size_t scan, std::vector<SecondPlace>& out) const {
-    State others = state;
-    others.pose[scan].reset();
+  // Whether the surface seen so far looks the same after the motion: then it makes no difference.
+  [[nodiscard]] bool symmetric(const State& state, const Pose<frame::Part, frame::Part>& motion) const {
+    for (std::size_t i = 0; i < views_.size(); ++i) {
+      for (std::size_t j = 0; j < views_.size(); ++j) {
+        AgreementLimits limits = strict_limits(views_[i], views_[j]);
+        limits.points = kLookedUp;
+        const CrossPose T_j_i = state.pose[j]->inverse() * (motion * *state.pose[i]);
+        if (look_up(views_[i], views_[j], T_j_i, limits).contradicting > kMostContradicting) return false;
+      }
+    }
+    return true;
+  }
+
+  // Notes the other place of a scan, unless it differs by nothing or by a symmetry of the part.
+  void note(const State& state, std::size_t scan, const ScanPose& other, std::vector<SecondPlace>& out) const {
     const ScanPose& chosen = *state.pose[scan];
-    const double reached = welcome(others, scan, chosen).merit;
     const Vec3 middle = views_[scan].point[0].point_mm.cast<double>();
-    std::optional<SecondPlace> second;
-    double best = kSecondMerit * reached;
-    places(others, scan, [&](const ScanPose& pose) {
-      const double turned = rotation_between_rad(pose.rotation, chosen.rotation);
-      const double shifted = (pose * middle - chosen * middle).norm();
-      if (turned < rad_from_deg(5.0) && shifted < 0.03 * views_[scan].diagonal_mm) return;
-      const Welcome found = welcome(others, scan, pose);
-      if (found.merit < best) return;
-      best = found.merit;
-      second = SecondPlace{scan, turned, shifted};
-    });
-    if (second) out.push_back(*second);
+    const double turned = rotation_between_rad(other.rotation, chosen.rotation);
+    const double shifted = (other * middle - chosen * middle).norm();
+    if (turned < rad_from_deg(5.0) && shifted < 0.03 * views_[scan].diagonal_mm) return;
+    if (!symmetric(state, other * chosen.inverse())) out.push_back({scan, turned, shifted});
+  }
+
+  // Scans that lie elsewhere in another combination of all scans that is almost as good.
+  void compare(const State& state, const State& other, std::vector<SecondPlace>& out) const {
+    if (other.count < state.count || other.merit < kSecondMerit * state.merit) return;
+    const auto T_state_other = *state.pose[0] * other.pose[0]->inverse();
+    for (std::size_t scan = 1; scan < views_.size(); ++scan) note(state, scan, T_state_other * *other.pose[scan], out);
   }
 
  private:
@@ -211,17 +222,19 @@ std::unexpected<Error> left_out(const std::vector<ScanView>& views, const Joiner
 Result<Joined> join(const std::vector<ScanView>& views, const std::function<void(int, int)>& done) {
   if (views.size() == 1) return Joined{{ScanPose{}}, {}};
   const Joiner joiner(views, search_all(views, done));
-  const State best = joiner.search();
+  const std::vector<State> states = joiner.search();
+  const State& best = states.front();
   for (std::size_t scan = 0; scan < views.size(); ++scan) {
     if (!best.pose[scan]) return left_out(views, joiner, best, scan);
   }
   Joined joined;
   const auto T_first_frame = best.pose[0]->inverse();
-  for (std::size_t scan = 0; scan < views.size(); ++scan) {
-    const CrossPose relative = T_first_frame * *best.pose[scan];
+  for (const std::optional<ScanPose>& pose : best.pose) {
+    const CrossPose relative = T_first_frame * *pose;
     joined.T_part_scan.push_back({relative.rotation, relative.translation_mm});
-    joiner.find_second(best, scan, joined.seconds);
   }
+  for (std::size_t i = 1; i < states.size() && joined.seconds.empty(); ++i)
+    joiner.compare(best, states[i], joined.seconds);
   return joined;
 }
 

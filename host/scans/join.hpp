@@ -11,7 +11,7 @@
 
 namespace beltpick::scans {
 
-// A scan that fits almost as well in a second place.
+// A scan that fits almost as well in a second place, though the part looks different there.
 struct SecondPlace {
   std::size_t scan = 0;
   double turned_rad = 0.0;  // from the place chosen
