@@ -73,8 +73,9 @@ void add_simulate_options(CLI::App& app, SimulateOptions& options) {
   app.add_option("--parts", options.parts_in_view,
                  "parts in view of a belt (default 3); live: on the belt (default 24)")
       ->check(CLI::Range(1, 100'000));
-  app.add_option("--lay", options.lays,
-                 "how each of them lies: flat, edge, any, leaning, cut, propped (any orientation, as held by hand)")
+  app.add_option(
+         "--lay", options.lays,
+         "how each of them lies: flat, edge, any, leaning, cut, dropped, propped (any orientation, as held by hand)")
       ->delimiter(',')
       ->check(CLI::IsMember(lay_names()));
   app.add_option("--seed", options.seed, "of scene, surfaces and noise (default 1)");

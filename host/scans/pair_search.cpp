@@ -2,14 +2,16 @@
 
 #include <algorithm>
 #include <array>
+#include <span>
 
 #include "scans/adjust.hpp"
 
 namespace beltpick::scans {
 namespace {
 
-constexpr std::size_t kVoted = 400;
-constexpr std::size_t kAligned = 60;
+constexpr std::size_t kVoted = 500;
+constexpr std::size_t kPulled = 220;  // of the voted ones: pulled towards each other by few points
+constexpr std::size_t kAligned = 50;  // of those: aligned fully
 constexpr double kSameRotation = 0.04;
 constexpr double kSameShare = 0.01;  // of the part's size
 // A right pose overlaps by more, and hardly contradicts.
@@ -23,14 +25,22 @@ void keep_best(std::vector<Fit>& fits, std::size_t most) {
   if (fits.size() > most) fits.resize(most);
 }
 
-CrossPose aligned(const ScanView& model, const ScanView& scan, const CrossPose& start, double size_mm) {
+CrossPose aligned(const ScanView& model, const ScanView& scan, const CrossPose& start,
+                  std::span<const AdjustStage> stages) {
   const std::array<const ScanView*, 2> views{&model, &scan};
   std::array<ScanPose, 2> poses{ScanPose{}, ScanPose{start.rotation, start.translation_mm}};
-  const std::array<AdjustStage, 4> stages{AdjustStage{0.05 * size_mm, 8, 350}, AdjustStage{0.025 * size_mm, 8, 350},
-                                          AdjustStage{std::max(1.0, 0.01 * size_mm), 10, 600},
-                                          AdjustStage{1.0, 10, 1200}};
   adjust(views, poses, stages);
   return {poses[1].rotation, poses[1].translation_mm};
+}
+
+// Aligns all in `stages`, and keeps those that then fit best.
+void align_all(const ScanView& model, const ScanView& scan, std::span<const AdjustStage> stages,
+               const AgreementLimits& limits, std::size_t most, std::vector<Fit>& fits) {
+  for (Fit& fit : fits) {
+    fit.T_model_scan = aligned(model, scan, fit.T_model_scan, stages);
+    fit.agreement = mutual(model, scan, fit.T_model_scan, limits);
+  }
+  keep_best(fits, most);
 }
 
 bool same(const Fit& a, const Fit& b, const Vec3& middle, double size_mm) {
@@ -51,13 +61,14 @@ std::vector<Fit> search_pair(const ScanView& model, const PairTable& table, cons
   std::vector<Fit> fits;
   for (const VotedPose& voted : table.vote(scan, kVoted))
     fits.push_back({voted.T_model_scan, mutual(model, scan, voted.T_model_scan, coarse)});
-  keep_best(fits, kAligned);
-  const AgreementLimits strict = strict_limits(model, scan);
-  for (Fit& fit : fits) {
-    fit.T_model_scan = aligned(model, scan, fit.T_model_scan, size_mm);
-    fit.agreement = mutual(model, scan, fit.T_model_scan, strict);
-  }
-  std::stable_sort(fits.begin(), fits.end(), better);
+  keep_best(fits, kPulled);
+  const std::array<AdjustStage, 2> pull{AdjustStage{0.06 * size_mm, 4, 200}, AdjustStage{0.03 * size_mm, 4, 200}};
+  const AgreementLimits medium{.surface_mm = 0.01 * size_mm, .space_mm = 0.015 * size_mm, .points = 300};
+  align_all(model, scan, pull, medium, kAligned, fits);
+  const std::array<AdjustStage, 3> settle{AdjustStage{0.02 * size_mm, 8, 400},
+                                          AdjustStage{std::max(1.0, 0.01 * size_mm), 10, 600},
+                                          AdjustStage{1.0, 10, 1200}};
+  align_all(model, scan, settle, strict_limits(model, scan), kAligned, fits);
   const Vec3 middle = scan.point[0].point_mm.cast<double>();
   std::vector<Fit> distinct;
   for (const Fit& fit : fits) {

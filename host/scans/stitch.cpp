@@ -82,10 +82,11 @@ Result<void> check_residuals(const Stitched& stitched) {
 
 void warn_of(const std::vector<SecondPlace>& seconds, const std::vector<ScanView>& views, Stitched& stitched) {
   for (const SecondPlace& second : seconds) {
-    stitched.warnings.push_back(text(
-        "%s: fits almost as well turned by %.0f degrees and moved by %.1f mm: harmless where the part is symmetric "
-        "so; else add a scan that shows the difference",
-        views[second.scan].name.c_str(), deg_from_rad(second.turned_rad), second.shifted_mm));
+    stitched.warnings.push_back(
+        text("%s: fits almost as well turned by %.0f degrees and moved by %.1f mm, though the part differs there: the "
+             "template "
+             "may be wrong; add a scan that shows this side together with one that other scans show",
+             views[second.scan].name.c_str(), deg_from_rad(second.turned_rad), second.shifted_mm));
   }
   for (std::size_t i = 0; i < views.size(); ++i) {
     if (views[i].cut) {

@@ -70,7 +70,7 @@ double least_difference_mm2(const PartModel& own, const PartModel& other, const 
   std::vector<Hypothesis> storage(200);
   search::HypothesisPool pool(storage);
   const std::vector<OrientedPoint> few = sample(seen, kSearchPoints);
-  search::search_views({other, few, static_cast<float>(0.05 * other.diagonal_mm)}, pool);
+  search::search_views({other, search::SearchSample(few), static_cast<float>(0.05 * other.diagonal_mm)}, pool);
   std::array<Hypothesis, kAligned> best;
   const std::size_t count = pool.take_distinct(other, 0.04 * other.diagonal_mm, rad_from_deg(12.0), best);
   const std::array<icp::Stage, 3> stages{icp::Stage{0.06 * other.diagonal_mm, 8, 0.3F},

@@ -17,7 +17,7 @@ namespace {
 using Fit = Pose<frame::Camera, frame::Part>;
 
 constexpr int kTurns = 24;
-constexpr std::size_t kSearchPoints = 150;
+constexpr std::size_t kSearchPoints = 128;
 constexpr std::size_t kAlignPoints = 2000;
 constexpr std::size_t kAligned = 24;
 
@@ -69,7 +69,7 @@ std::vector<OrientedPoint> mirrored(std::span<const OrientedPoint> points) {
 }
 
 WholeFit fit_whole(std::span<const OrientedPoint> points, const PartModel& other, double tolerance_mm) {
-  const std::vector<OrientedPoint> few = sample(points, kSearchPoints);
+  const search::SearchSample few(sample(points, kSearchPoints));
   const std::vector<OrientedPoint> more = sample(points, kAlignPoints);
   const Vec3 own_middle = middle_of(points);
   const Vec3 other_middle = middle_of(other.surface);
