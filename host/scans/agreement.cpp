@@ -7,7 +7,7 @@ namespace beltpick::scans {
 namespace {
 
 constexpr float kFacing = 0.7F;
-constexpr double kContradictionWeight = 5.0;
+constexpr double kContradictionWeight = 3.0;
 
 }  // namespace
 
@@ -40,7 +40,8 @@ Agreement look_up(const ScanView& scan, const ScanView& other, const CrossPose& 
 Agreement mutual(const ScanView& a, const ScanView& b, const CrossPose& T_a_b, const AgreementLimits& limits) {
   const Agreement one = look_up(b, a, T_a_b, limits);
   const Agreement two = look_up(a, b, T_a_b.inverse(), limits);
-  return {0.5 * (one.agreeing + two.agreeing), 0.5 * (one.contradicting + two.contradicting)};
+  // The lesser part of one may stand in the space of the other, not of both.
+  return {0.5 * (one.agreeing + two.agreeing), std::max(one.contradicting, two.contradicting)};
 }
 
 double merit(const Agreement& agreement) { return agreement.agreeing - kContradictionWeight * agreement.contradicting; }

@@ -22,7 +22,7 @@ struct AgreementLimits {
 Agreement look_up(const ScanView& scan, const ScanView& other, const CrossPose& T_other_scan,
                   const AgreementLimits& limits);
 
-// Both ways, the mean.
+// Both ways: the mean of what agrees, the larger share that contradicts.
 Agreement mutual(const ScanView& a, const ScanView& b, const CrossPose& T_a_b, const AgreementLimits& limits);
 
 // What a pose gains: agreement, less what contradicts, which wrong poses can hardly avoid.

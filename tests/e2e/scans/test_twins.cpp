@@ -95,7 +95,8 @@ TEST_CASE("with a part and its mirror image loaded nothing gets the other's name
     must("locate " + scene.string() + " --calibration " + (scene / "calibration.json").string() + " --template " +
          (twins() / "bracket.template").string() + " " + (twins() / "mirror.template").string() + " --out " +
          result.string());
-    for (const auto& part : json_of(result)["parts"]) {
+    const auto located = json_of(result);
+    for (const auto& part : located["parts"]) {
       CHECK(part["part"] == name);
       ++right;
     }

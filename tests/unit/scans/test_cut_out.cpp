@@ -75,7 +75,9 @@ TEST_CASE("two parts with belt between them are refused, and a bare belt", "[sca
 TEST_CASE("a point cloud is laid into the pixels of a camera that sees its points", "[scans]") {
   Mesh cloud;
   for (int row = 0; row < 60; ++row) {
-    for (int col = 0; col < 80; ++col) cloud.vertex_mm.emplace_back(0.5F * col - 20.0F, 0.5F * row - 15.0F, 400.0F);
+    for (int col = 0; col < 80; ++col)
+      cloud.vertex_mm.emplace_back(0.5F * static_cast<float>(col) - 20.0F, 0.5F * static_cast<float>(row) - 15.0F,
+                                   400.0F);
   }
   auto image = scans::organise(cloud, "cloud.ply");
   REQUIRE(image.has_value());

@@ -34,7 +34,8 @@ TEST_CASE("what one scan has where another saw nothing is dropped, the rest is s
   // A crumb that stands beside the box in the first scan alone.
   const float top = views[0].point[0].point_mm.z();
   for (int i = 0; i < 40; ++i)
-    views[0].point[static_cast<std::size_t>(i)] = {{45.0F + 0.2F * (i % 6), 0.2F * (i / 6), top}, {0, 0, -1}};
+    views[0].point[static_cast<std::size_t>(i)] = {
+        {45.0F + 0.2F * static_cast<float>(i % 6), 0.2F * static_cast<float>(i) / 6.0F, top}, {0, 0, -1}};
   const scans::Merged merged = scans::merge(views, poses);
   CHECK(merged.dropped >= 40);
   CHECK(merged.dropped < 200);
