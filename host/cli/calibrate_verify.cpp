@@ -2,6 +2,7 @@
 #include <cstdio>
 #include <memory>
 
+#include "calibrate/check_report.hpp"
 #include "calibrate_actions.hpp"
 #include "contract/result_codes.hpp"
 #include "contract_io/calibration_io.hpp"
@@ -17,7 +18,7 @@ using calibrate::PlateCheck;
 using contract_io::Json;
 
 struct VerifyOptions {
-  std::string capture, calibration;
+  std::string capture, calibration, report;
   BoardOptions board;
   calibrate::PlateTolerance tolerance;
 };
@@ -75,6 +76,13 @@ Result<void> run(const VerifyOptions& options, Session& session) {
       measure_plate(options.capture, options.board, *calibration, options.tolerance, warnings, session.json);
   session.warn(warnings);
   if (!check) return std::unexpected(check.error());
+  if (!options.report.empty()) {
+    const calibrate::CheckedFiles files{options.capture, options.calibration};
+    if (auto written = calibrate::write_check_report(options.report, files, *check, options.board.square_mm);
+        !written) {
+      return written;
+    }
+  }
   session.answer(to_json(*check, *calibration), describe(*check));
   if (check->good()) return {};
   return failure(ResultCode::kCheckFailed, "%s: %s; let the cell warm up and check again, then calibrate anew",
@@ -96,9 +104,13 @@ Run add_calibrate_verify(CLI::App& app) {
                  "tolerance over the plate: its size, its bow, its distance, where camera and projector see it")
       ->capture_default_str()
       ->check(CLI::Range(0.001, 100.0));
-  example(app,
-          "  beltpick calibrate verify check --calibration calibration.json --board 11x8 --square-mm 20\n"
-          "Ends with 0 when the calibration is in tolerance, else with 1.");
+  app.add_option("--report", options->report, "write index.html with the figures and pictures of the plate")
+      ->type_name("DIR");
+  example(
+      app,
+      "  beltpick calibrate verify check --calibration calibration.json --board 11x8 --square-mm 20\n"
+      "  beltpick calibrate verify check --calibration calibration.json --board 11x8 --square-mm 20 --report checked\n"
+      "Ends with 0 when the calibration is in tolerance, else with 1.");
   return [options](Session& session) { return run(*options, session); };
 }
 

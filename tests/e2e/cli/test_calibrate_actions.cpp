@@ -171,13 +171,17 @@ TEST_CASE("calibrate verify says of one plate that the calibration holds, and th
   const TempFolder folder;
   const std::string drifted = (folder / "drifted").string();
   must_run("simulate --scene plate-on-belt --seed 5 --drift-px 0.2" + std::string(kSmallRig) + drifted);
-  const Outcome bad = beltpick_run("calibrate verify " + drifted + calibration_option() + kBoard + " --json");
+  const Outcome bad = beltpick_run("calibrate verify " + drifted + calibration_option() + kBoard + " --json --report " +
+                                   (folder / "report").string());
   INFO(bad.err);
   CHECK(bad.exit_code == 1);
   CHECK(bad.error_lines() == 1);
   CHECK(bad.err.find("out of tolerance") != std::string::npos);
   CHECK(bad.err.find("[CHECK_FAILED]") != std::string::npos);
   CHECK(nlohmann::json::parse(bad.out)["good"] == false);
+  const std::string page = file_bytes(folder / "report/index.html");
+  CHECK(page.find("out of tolerance") != std::string::npos);
+  CHECK(page.find("</html>") != std::string::npos);
   const Outcome wide = beltpick_run("calibrate verify " + drifted + calibration_option() + kBoard + " --plate-mm 5");
   CHECK(wide.exit_code == 0);
 }

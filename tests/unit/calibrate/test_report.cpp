@@ -1,6 +1,7 @@
 #include <catch2/catch.hpp>
 
 #include "base/random.hpp"
+#include "calibrate/check_report.hpp"
 #include "calibrate/compare_report.hpp"
 #include "calibrate/report.hpp"
 #include "html/page.hpp"
@@ -125,6 +126,31 @@ TEST_CASE("A report of a calibration without a single corner is still a page", "
   const std::string page = file_bytes(folder / "index.html");
   CHECK(page.find("nan") == std::string::npos);
   CHECK(page.find("</html>") != std::string::npos);
+}
+
+TEST_CASE("A field check is shown with all its corners, also where one axis is not coded", "[report]") {
+  const Calibration rig = sample_rig();
+  std::vector<SeenCorner> corners = seen_by(rig, sample_pose());
+  const bool columns_only = GENERATE(false, true);
+  for (SeenCorner& corner : corners) {
+    corner.projector_px.column_px += 0.3;
+    if (columns_only) corner.projector_px.row_px = std::nan("");
+  }
+  const auto check = check_plate(rig, corners, 20.0, {});
+  REQUIRE(check);
+  const TempFolder folder;
+  REQUIRE(write_check_report(folder / "report", {"on & belt", "calibration.json"}, *check, 20.0));
+  const std::string page = file_bytes(folder / "report/index.html");
+  const auto count = [&](const std::string& words) {
+    std::size_t found = 0;
+    for (std::size_t at = page.find(words); at != std::string::npos; at = page.find(words, at + 1)) ++found;
+    return found;
+  };
+  CHECK(count("<svg") == 4);
+  CHECK(page.find("on &amp; belt") != std::string::npos);
+  CHECK(page.find(html::escaped(check->verdict())) != std::string::npos);
+  CHECK(count(" mm</title>") == corners.size());
+  CHECK(count("nan") == 0);
 }
 
 TEST_CASE("A plot keeps to its frame's scale and tells ticks", "[report]") {
