@@ -53,6 +53,7 @@ enum class ResultCode : std::uint16_t {
   kFirmwareUnfit = 44,
   kUpdateFailed = 45,
   kDeviceInUse = 46,
+  kDiskFull = 47,
   // The running cell.
   kFrameMissing = 100,
   kFrameIncomplete = 101,
@@ -97,6 +98,7 @@ enum class ResultCode : std::uint16_t {
   kFocusOff = 140,
   kLightFlickers = 141,
   kExposureBeats = 142,
+  kBeltPlaneWandered = 143,
   // Why an object was withheld.
   kObjectTooSmall = 150,
   kNoHypothesis = 151,
@@ -188,6 +190,8 @@ inline constexpr auto kResultCodes = std::to_array<ResultCodeEntry>({
      "run 'beltpick flash' again: the boot loader waits for it"},
     {ResultCode::kDeviceInUse, "DEVICE_IN_USE", "another program has the device open",
      "end that program, or stop its service meanwhile"},
+    {ResultCode::kDiskFull, "DISK_FULL", "a file cannot be written because its disk or quota is full",
+     "free space on that disk"},
     {ResultCode::kFrameMissing, "FRAME_MISSING", "the camera delivered fewer frames than were triggered",
      "check trigger wiring, network and exposure + readout against the period"},
     {ResultCode::kFrameIncomplete, "FRAME_INCOMPLETE", "packets of a frame were lost",
@@ -270,6 +274,9 @@ inline constexpr auto kResultCodes = std::to_array<ResultCodeEntry>({
      "expose for a multiple of 10 ms (50 Hz) or 8.333 ms (60 Hz), or shade the cell"},
     {ResultCode::kExposureBeats, "EXPOSURE_BEATS", "the projector's light differs from frame to frame",
      "expose for a whole number of the projector's frames"},
+    {ResultCode::kBeltPlaneWandered, "BELT_PLANE_WANDERED", "the belt is measured elsewhere than the cell file has it",
+     "let the cell warm up; then 'beltpick calibrate verify' tells whether camera and projector still fit, 'beltpick "
+     "calibrate belt' takes the belt anew"},
     {ResultCode::kObjectTooSmall, "OBJECT_TOO_SMALL", "the object has too few points to judge",
      "dirt, or a part mostly hidden"},
     {ResultCode::kNoHypothesis, "NO_HYPOTHESIS", "no template fits the object even roughly",

@@ -28,7 +28,7 @@ std::unexpected<Error> not_opened(const std::string& name, int error) {
 }
 
 std::unexpected<Error> not_written(const std::string& name, int error) {
-  return failure(ResultCode::kFileNotWritten,
+  return failure(write_error_code(error),
                  "%s: expected to write here, found: %s; check the folder, its permissions and the free space",
                  name.c_str(), std::strerror(error));
 }
@@ -48,6 +48,10 @@ bool is_device(const std::filesystem::path& path) {
 }
 
 }  // namespace
+
+ResultCode write_error_code(int error) {
+  return error == ENOSPC || error == EDQUOT ? ResultCode::kDiskFull : ResultCode::kFileNotWritten;
+}
 
 std::string one_line(std::string_view text) {
   std::string line(text);
@@ -108,7 +112,7 @@ Result<void> make_folder(const std::filesystem::path& path) {
   std::error_code error;
   std::filesystem::create_directories(path, error);
   if (!error && std::filesystem::is_directory(path, error)) return {};
-  return failure(ResultCode::kFileNotWritten,
+  return failure(write_error_code(error.value()),
                  "%s: expected to make this folder, found: %s; check the path and its permissions",
                  one_line(path.string()).c_str(), error ? error.message().c_str() : "a file of that name");
 }

@@ -152,10 +152,10 @@ Result<VersionInfo> ItemFolder::add(const Folder& folder, VersionInfo info, std:
   const std::string name = file_name(info.version, kItem);
   const int error = folder.write(name, file_name(info.version, kPart), line, bytes);
   if (error != 0) {
-    const bool full = error == ENOSPC || error == EDQUOT;
-    return failure(ResultCode::kFileNotWritten, "%s: expected to write %zu bytes, found: %s; nothing was changed; %s",
-                   shown(name).c_str(), line.size() + bytes.size(), std::strerror(error),
-                   full ? "free space on this disk" : "check the disk and the permissions");
+    const ResultCode code = contract_io::write_error_code(error);
+    return failure(code, "%s: expected to write %zu bytes, found: %s; nothing was changed; %s", shown(name).c_str(),
+                   line.size() + bytes.size(), std::strerror(error),
+                   code == ResultCode::kDiskFull ? "free space on this disk" : "check the disk and the permissions");
   }
   last_number_ = info.version;
   versions_.push_back(info);

@@ -35,8 +35,8 @@ class ItemFolder {
   // Checked again while reading. Errors: kFileUnreadable, kChecksumWrong.
   [[nodiscard]] Result<Version> read(const Folder& folder, std::uint32_t version) const;
 
-  // The next version, with its number; then prunes. Errors: kFileNotWritten, kLimitExceeded (numbers used up); then
-  // nothing has changed.
+  // The next version, with its number; then prunes. Errors: kDiskFull, kFileNotWritten, kLimitExceeded (numbers used
+  // up); then nothing has changed.
   Result<VersionInfo> add(const Folder& folder, VersionInfo info, std::string_view bytes, int keep);
   // Deletes all but the newest `keep` versions, and what was set aside before those.
   void prune(const Folder& folder, int keep);

@@ -55,6 +55,10 @@ Result<Descriptor> listen_on(const std::string& address, std::uint16_t port) {
                  address.c_str(), port, std::strerror(errno));
 }
 
+std::string url_host(const std::string& address) {
+  return address.find(':') == std::string::npos ? address : '[' + address + ']';
+}
+
 std::uint16_t port_of(const Descriptor& socket) {
   SocketAddress at{};
   socklen_t bytes = sizeof at;

@@ -13,6 +13,9 @@ namespace beltpick::service {
 // address), kUsage (the port cannot be had).
 Result<Descriptor> listen_on(const std::string& address, std::uint16_t port);
 
+// `address` as a URL's host: IPv6 in brackets, so that a port can follow.
+std::string url_host(const std::string& address);
+
 // The port it really has.
 std::uint16_t port_of(const Descriptor& socket);
 

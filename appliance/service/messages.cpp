@@ -46,6 +46,8 @@ unsigned http_status(ResultCode code) {
       return 500;
     case ResultCode::kServiceBusy:
       return 503;
+    case ResultCode::kDiskFull:
+      return 507;
     default:
       return 422;  // understood, but not what the cell can work with
   }

@@ -8,6 +8,7 @@
 #include <stdexcept>
 
 #include "contract/result_codes.hpp"
+#include "contract_io/file_io.hpp"
 #include "service/sha256.hpp"
 
 namespace beltpick::service {
@@ -17,7 +18,7 @@ constexpr mode_t kOwnerOnly = 0600;
 
 Result<void> outcome(const std::string& name, int error) {
   if (error == 0) return {};
-  return failure(ResultCode::kFileNotWritten,
+  return failure(contract_io::write_error_code(error),
                  "%s in the state folder: expected to write it, found: %s; check the folder, its permissions and the "
                  "free space",
                  name.c_str(), std::strerror(error));

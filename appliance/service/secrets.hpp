@@ -17,7 +17,7 @@ std::string random_token();
 bool same_secret(std::string_view a, std::string_view b);
 
 // Replaces or makes a file, mode 600, so that it is the old or the new one whatever interrupts that.
-// Error: kFileNotWritten.
+// Errors: kDiskFull, kFileNotWritten.
 Result<void> write_secret(const Folder& folder, const std::string& name, std::string_view bytes);
 
 // Takes a file away for good. Error: kFileNotWritten.

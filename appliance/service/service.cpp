@@ -6,6 +6,7 @@
 #include <cstring>
 
 #include "contract/result_codes.hpp"
+#include "service/listen_socket.hpp"
 
 namespace beltpick::service {
 namespace {
@@ -38,7 +39,7 @@ Result<std::unique_ptr<Service>> Service::start(const std::filesystem::path& sta
   auto server = HttpsServer::start(config, *certificate, service->tokens_, service->api_, log, beats);
   if (!server) return std::unexpected(server.error());
   service->server_ = std::move(*server);
-  log(false, "service: https://" + config.address + ":" + std::to_string(service->port()) + ", key " +
+  log(false, "service: https://" + url_host(config.address) + ":" + std::to_string(service->port()) + ", key " +
                  certificate->fingerprint);
   return service;
 }

@@ -107,7 +107,7 @@ Result<VersionInfo> Store::State::add(const ItemId& id, VersionInfo info, std::s
   }
   const Folder::Answer<Folder> folder = make_folder(id);
   if (!folder) {
-    return failure(ResultCode::kFileNotWritten,
+    return failure(contract_io::write_error_code(folder.error()),
                    "%s: expected to make its folder in %s, found: %s; nothing was changed; check the disk",
                    in_words(id).c_str(), contract_io::one_line(path.string()).c_str(), std::strerror(folder.error()));
   }

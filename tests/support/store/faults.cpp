@@ -14,6 +14,7 @@
 #include <utility>
 
 #include "contract/result_codes.hpp"
+#include "contract_io/file_io.hpp"
 #include "support/store/disk_script.hpp"
 #include "support/store/power_cut.hpp"
 
@@ -121,7 +122,8 @@ std::string fail_step(service::Store& store, const DisturbedStep& step, const Di
   const Comparison after = compare(store, expected_of(step, acknowledged), DisturbedStep::kKeep);
   if (!after.trouble.empty()) return after.trouble;
   if (after.in_flight_came) return "refused, but there";
-  if (!acknowledged && disturbed.error().code != ResultCode::kFileNotWritten) return "not kFileNotWritten";
+  const ResultCode expected = contract_io::write_error_code(script.error);
+  if (!acknowledged && disturbed.error().code != expected) return "not " + std::string(result_code_name(expected));
   return "";
 }
 

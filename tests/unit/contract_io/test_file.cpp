@@ -53,6 +53,14 @@ TEST_CASE("A failed write leaves neither file nor temporary", "[file]") {
   CHECK_FALSE(make_folder(folder.file("plain", "x") / "below"));
 }
 
+TEST_CASE("A full disk is told apart from other failures to write", "[file]") {
+  const auto written = write_file("/dev/full", std::string(100'000, 'x'));
+  REQUIRE_FALSE(written);
+  CHECK(written.error().code == ResultCode::kDiskFull);
+  CHECK(write_error_code(EDQUOT) == ResultCode::kDiskFull);
+  CHECK(write_error_code(EIO) == ResultCode::kFileNotWritten);
+}
+
 TEST_CASE("Reading says what is wrong", "[file]") {
   const TempFolder folder;
   CHECK(read_file(folder / "absent").error().code == ResultCode::kFileNotFound);

@@ -64,6 +64,11 @@ struct Bench {
 
 }  // namespace
 
+TEST_CASE("a full disk is the disk's trouble, not the service's") {
+  CHECK(http_status(ResultCode::kDiskFull) == 507);
+  CHECK(http_status(ResultCode::kFileNotWritten) == 500);
+}
+
 TEST_CASE("each role may do what its routes say, and no more", "[gate]") {
   Bench bench;
   for (const ApiRoute& route : kApiRoutes) {

@@ -15,6 +15,12 @@ using namespace beltpick;
 using namespace beltpick::service;
 using beltpick::test::TempFolder;
 
+TEST_CASE("an IPv6 address stands in brackets before a port") {
+  CHECK(url_host("::") == "[::]");
+  CHECK(url_host("fe80::1") == "[fe80::1]");
+  CHECK(url_host("192.168.1.5") == "192.168.1.5");
+}
+
 TEST_CASE("a folder is tried and left as it was") {
   const TempFolder temp;
   const FolderFound found = find_folder(temp.path());
