@@ -45,11 +45,13 @@ CaptureAndLocate::CaptureAndLocate(Arena& arena, const Settings& settings, const
       measure_(arena, settings.limits),
       segmenter_(arena, settings.limits),
       locator_(arena, settings.limits, settings.pose_workers),
+      belt_watch_(settings.belt_wander_mm),
       withheld_(arena.take<WithheldObject>(
           "withheld objects", static_cast<std::size_t>(settings.limits.segments + settings.limits.parts) + 1)) {}
 
 Result<void> CaptureAndLocate::adopt(const Geometry& geometry, LoadedRecipe& recipe) {
   to_.projector.use(recipe.show);
+  belt_watch_.use(geometry.calibration, geometry.cell);
   return measure_.adopt(std::move(recipe.fold), geometry.calibration);
 }
 
@@ -95,11 +97,12 @@ Result<Located> CaptureAndLocate::locate(std::uint16_t number) {
     to_.recorder.keep_failure(number, range.error().code);
     return std::unexpected(range.error());
   }
-  tell_findings();
   to_.book.set_pixels(count_pixels(measure_.code().state));
   const Stopwatch segment_watch;
   const segment::Segmented objects = segmenter_.segment(*range);
   const double segment_ms = segment_watch.elapsed_ms();
+  tell_findings(belt_watch_.see(objects.belt));
+  to_.book.set_belt_nearer(belt_watch_.nearer_mm());
 
   const Stopwatch locate_watch;
   const Calibration& calibration = to_.hub.geometry().calibration;
@@ -131,12 +134,13 @@ Result<Located> CaptureAndLocate::locate(std::uint16_t number) {
 }
 
 // Warns of what is not right with the captures, when it begins.
-void CaptureAndLocate::tell_findings() {
+void CaptureAndLocate::tell_findings(const std::optional<Error>& of_belt) {
   const auto before = told_;
   told_.clear();
-  for (const Error& finding : measure_.findings()) {
-    told_.add(finding);
-    const auto known = before.all();
+  for (const Error& finding : measure_.findings()) told_.add(finding);
+  if (of_belt) told_.add(*of_belt);
+  const auto known = before.all();
+  for (const Error& finding : told_.all()) {
     const bool new_one =
         std::none_of(known.begin(), known.end(), [&](const Error& e) { return e.code == finding.code; });
     if (new_one) to_.log.write(LogLevel::kWarning, "capture: %s", finding.detail);

@@ -1,6 +1,7 @@
 // CaptureAndLocate: the vision thread's work with the real camera, trigger and pipeline.
 #pragma once
 
+#include "app/belt_watch.hpp"
 #include "app/log.hpp"
 #include "app/model_hub.hpp"
 #include "app/recorder.hpp"
@@ -47,7 +48,7 @@ class CaptureAndLocate : public VisionWork {
   class FoldFrames;
 
   Result<void> run_capture(FoldFrames& sink, const std::atomic<ResultCode>& cancel);
-  void tell_findings();
+  void tell_findings(const std::optional<Error>& of_belt);
   std::span<const WithheldObject> withheld(const pipeline::LocateOutput& found, int left_out);
 
   const Settings& settings_;
@@ -56,6 +57,7 @@ class CaptureAndLocate : public VisionWork {
   pipeline::Measure measure_;
   segment::Segmenter segmenter_;
   pipeline::Locator locator_;
+  BeltWatch belt_watch_;
   std::span<WithheldObject> withheld_;
   std::int64_t last_frame_us_ = 0;
   decode::Findings told_;  // of the capture before: what goes on is not said again

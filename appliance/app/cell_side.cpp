@@ -26,6 +26,7 @@ service::CellStatus ApplianceCellSide::status() const {
   status.plc_connected = plc.heard && silent_us <= settings_.plc_timeout_ms * 1000LL;
   const auto number = [](int count) { return static_cast<std::uint64_t>(count); };
   status.pixels = to_.book.pixels();
+  status.belt_nearer_mm = to_.book.belt_nearer_mm();
   status.cycles = number(counts.cycles);
   status.captures = number(counts.captures);
   status.offers = number(counts.offers);

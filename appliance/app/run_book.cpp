@@ -43,6 +43,11 @@ void RunBook::set_pixels(const PixelCounts& pixels) {
   pixels_ = pixels;
 }
 
+void RunBook::set_belt_nearer(std::optional<double> nearer_mm) {
+  const std::lock_guard lock(mutex_);
+  belt_nearer_mm_ = nearer_mm;
+}
+
 void RunBook::add_release() {
   const std::lock_guard lock(mutex_);
   for (std::size_t i = 0; i < view_withheld_.used; ++i) {
@@ -82,6 +87,11 @@ RunBook::Counts RunBook::counts() const {
 PixelCounts RunBook::pixels() const {
   const std::lock_guard lock(mutex_);
   return pixels_;
+}
+
+std::optional<double> RunBook::belt_nearer_mm() const {
+  const std::lock_guard lock(mutex_);
+  return belt_nearer_mm_;
 }
 
 RunBook::Totals RunBook::totals() const {

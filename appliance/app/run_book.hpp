@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <mutex>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -30,6 +31,8 @@ class RunBook {
   void set_view(int found, std::span<const WithheldObject> withheld);
   // How the pixels of the latest capture were measured, or why not.
   void set_pixels(const PixelCounts& pixels);
+  // How much nearer than the cell file has it the belt was measured of late, mm; nothing where that is not known.
+  void set_belt_nearer(std::optional<double> nearer_mm);
   void add_release();
   void add_offer();
   void add_answer(bool picked);
@@ -42,6 +45,7 @@ class RunBook {
   [[nodiscard]] Counts counts() const;
   // All zero before the first capture.
   [[nodiscard]] PixelCounts pixels() const;
+  [[nodiscard]] std::optional<double> belt_nearer_mm() const;
 
   // For a thread that may allocate.
   struct Count {
@@ -70,6 +74,7 @@ class RunBook {
   mutable std::mutex mutex_;
   int cycles_ = 0, captures_ = 0, failed_captures_ = 0, found_ = 0, offers_ = 0, picked_ = 0, failed_picks_ = 0;
   PixelCounts pixels_{};
+  std::optional<double> belt_nearer_mm_;
   Codes view_withheld_, withheld_, faults_;
   std::array<std::array<float, kSamples>, kSteps> samples_{};
   std::array<std::size_t, kSteps> sample_count_{};

@@ -90,6 +90,9 @@ void visit_settings(Settings& s, Visitor& visit) {
   visit.integer("cycle.max_age_ms", s.max_age_ms, 100, 3'600'000, "an offer older than this is revoked");
   visit.integer("cycle.processing_timeout_ms", s.processing_timeout_ms, 100, 600'000, "locating may take so long");
   visit.integer("cycle.max_failed_picks", s.max_failed_picks, 1, 100, "failed picks in a row until a person must look");
+  visit.number(
+      "cycle.belt_wander_mm", s.belt_wander_mm, 0, 1000,
+      "the belt may be measured so far from where the cell file has it, 0: anywhere; else a warning in the log");
   visit.integer("cycle.pose_workers", s.pose_workers, 1, 16, "threads that search poses; results do not depend on it");
   visit.table("plc", "The Modbus TCP server; see `beltpick registers`");
   visit.text("plc.address", s.plc_address, "IPv4 address to listen on");

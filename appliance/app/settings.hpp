@@ -56,6 +56,7 @@ struct Settings {
   int max_age_ms = 15000;
   int processing_timeout_ms = 20000;
   int max_failed_picks = 3;
+  double belt_wander_mm = 1.0;
   int pose_workers = 2;
 
   std::string plc_address = "0.0.0.0";

@@ -105,6 +105,7 @@ inline constexpr std::size_t kMaxJsonBody = 4096;  // of requests other than upl
 //   status        {"state", "last_code": CODE, "fault": CODE or null, "model": CODE or null,
 //                  "recipe": {"number", "name"}, "in_use": [{"kind", "name", "version"}],
 //                  "camera": {"ready", "serial"}, "trigger": {"ready"}, "plc": {"connected"},
+//                  "pixels": {"valid", "dark", ..}, "belt_nearer_mm": than the cell file has it, or null,
 //                  "counters": {"cycles", "captures", "offers", "picked", "faults"}, "uptime_s",
 //                  "memory_mb": {"budget", "resident"}, "time", "version", "role": the asker's}
 //   result-codes  {"result_codes": [CODE...]}

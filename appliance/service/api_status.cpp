@@ -59,6 +59,7 @@ ApiReply Api::status(const ApiRequest& request) {
   json["trigger"] = {{"ready", cell.trigger_ready}};
   json["plc"] = {{"connected", cell.plc_connected}};
   json["pixels"] = pixels_json(cell.pixels);
+  json["belt_nearer_mm"] = cell.belt_nearer_mm ? Json(*cell.belt_nearer_mm) : Json();
   json["counters"] = {{"cycles", cell.cycles},
                       {"captures", cell.captures},
                       {"offers", cell.offers},

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -32,7 +33,8 @@ struct CellStatus {
   bool camera_ready = false;
   bool trigger_ready = false;
   bool plc_connected = false;
-  PixelCounts pixels{};  // of the latest capture; all zero before the first
+  PixelCounts pixels{};                  // of the latest capture; all zero before the first
+  std::optional<double> belt_nearer_mm;  // than the cell file has it, as measured of late
   std::uint64_t cycles = 0, captures = 0, offers = 0, picked = 0, faults = 0;
   double uptime_s = 0;
   double memory_budget_mb = 0, memory_resident_mb = 0;

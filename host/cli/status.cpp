@@ -71,6 +71,16 @@ std::string counter_words(const Json& status) {
   return text;
 }
 
+std::string belt_words(const Json& status) {
+  const auto nearer = status.find("belt_nearer_mm");
+  if (nearer == status.end() || !nearer->is_number()) return "too little seen of it yet";
+  const double nearer_mm = nearer->get<double>();
+  char text[80];
+  std::snprintf(text, sizeof text, "%.2f mm %s than the cell file has it", std::abs(nearer_mm),
+                nearer_mm < 0.0 ? "farther" : "nearer");
+  return text;
+}
+
 // "89.9 % measured, 8.4 % low modulation, 1.1 % dark": of the latest capture's pixels, what is worth a word.
 std::string pixel_words(const Json& status) {
   const auto count = [&](std::string_view state) {
@@ -120,6 +130,7 @@ std::string status_text(const Json& status, const link::Address& address) {
                      {"trigger box", flag_at(status, "/trigger/ready") ? "ready" : "not ready"},
                      {"PLC", flag_at(status, "/plc/connected") ? "connected" : "not connected"},
                      {"last image", pixel_words(status)},
+                     {"belt", belt_words(status)},
                      {"so far", counter_words(status)},
                      {"memory", memory_words(status)},
                      {"your role", words_at(status, "/role")}},

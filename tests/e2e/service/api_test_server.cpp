@@ -26,6 +26,7 @@ class StandIn : public CellSide {
     status.recipe_name = "knuckles";
     status.camera_serial = "BP-1001";
     status.pixels = {899, 11, 0, 84, 1, 5, 0};
+    status.belt_nearer_mm = -0.125;
     return status;
   }
   Result<void> judge(const ItemId& id, std::string_view bytes, std::vector<std::string>& warnings) override {

@@ -25,6 +25,15 @@ TEST_CASE("only what the last view of a cycle withheld goes to the tray", "[book
   CHECK(totals.withheld[0].count == 1);
 }
 
+TEST_CASE("the belt's place is that told last", "[book]") {
+  RunBook book;
+  CHECK_FALSE(book.belt_nearer_mm());
+  book.set_belt_nearer(0.25);
+  CHECK(book.belt_nearer_mm() == 0.25);
+  book.set_belt_nearer(std::nullopt);
+  CHECK_FALSE(book.belt_nearer_mm());
+}
+
 TEST_CASE("the pixels are those of the latest capture", "[book]") {
   RunBook book;
   CHECK(book.pixels() == PixelCounts{});
