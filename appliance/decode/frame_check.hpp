@@ -46,15 +46,15 @@ struct ProbeLevels {
   }
 };
 
-// Share of the lit probes at which `holds`, a function of the probe's number.
+// Share of the lit probes at which `holds`, a function of the probe's number that may be asked of any.
 template <class Holds>
 float lit_share(const ProbeLevels& levels, const Holds& holds) {
   int held = 0;
   int lit = 0;
   for (int i = 0; i < levels.probes->count(); i += levels.stride()) {
-    if (levels.lit[static_cast<std::size_t>(i)] == 0) continue;
-    ++lit;
-    held += holds(i) ? 1 : 0;
+    const int is_lit = levels.lit[static_cast<std::size_t>(i)];
+    lit += is_lit;
+    held += is_lit & static_cast<int>(holds(i));  // no branch: none could be foretold
   }
   return static_cast<float>(held) / static_cast<float>(std::max(lit, 1));
 }

@@ -1,4 +1,6 @@
 // Whether the two frames of every Gray bit are each other's inverse.
+#include <algorithm>
+
 #include "contract/result_codes.hpp"
 #include "decode/frame_check.hpp"
 
@@ -14,7 +16,7 @@ float alike_share(const ProbeLevels& levels, const GrayBit& bit) {
     const float upright = levels.level8(bit.frame, i) - middle;
     const float inverted = levels.level8(bit.twin_frame, i) - middle;
     const float sure = kBeyondDoubt * levels.contrast8(i);
-    return (upright > sure && inverted > sure) || (upright < -sure && inverted < -sure);
+    return std::min(upright, inverted) > sure || std::max(upright, inverted) < -sure;
   });
 }
 
