@@ -46,30 +46,6 @@ GraspError error_without_symmetry(const PartPose& found, const PartPose& truth, 
 
 double badness(const GraspError& error) { return std::max(error.mm / kWrongMm, error.deg / kWrongDeg); }
 
-// Of the pixels that show part i of the truth, the share that was measured; and the segment that holds most of them.
-struct Shown {
-  double measured_share = 0.0;
-  std::uint16_t segment = 0;
-};
-Shown shown(const SeenScene& seen, const pipeline::Located& located, int i) {
-  int pixels = 0, measured = 0;
-  std::map<std::uint16_t, int> count;
-  for (int row = 0; row < seen.instances.rows; ++row) {
-    for (int col = 0; col < seen.instances.cols; ++col) {
-      if (seen.instances(row, col) != i + 1) continue;
-      ++pixels;
-      measured += seen.range.valid(row, col) ? 1 : 0;
-      ++count[located.objects.labels(row, col)];
-    }
-  }
-  count.erase(0);
-  Shown result;
-  if (pixels > 0) result.measured_share = measured / static_cast<double>(pixels);
-  const auto most = std::max_element(count.begin(), count.end(), [](auto& a, auto& b) { return a.second < b.second; });
-  if (most != count.end()) result.segment = most->first;
-  return result;
-}
-
 std::string reason_of(const pipeline::Located& located, std::uint16_t segment) {
   if (segment == 0) return "NO_SEGMENT";
   for (const WithheldObject& withheld : located.found.withheld) {
@@ -109,6 +85,23 @@ void settle(const LocatedPart& found, const SeenScene& seen, const ScenePlan& pl
 
 }  // namespace
 
+ShownPart shown_part(const SeenScene& seen, const pipeline::Located& located, int i) {
+  ShownPart part;
+  std::map<std::uint16_t, int> count;
+  for (int row = 0; row < seen.instances.rows; ++row) {
+    for (int col = 0; col < seen.instances.cols; ++col) {
+      if (seen.instances(row, col) != i + 1) continue;
+      ++part.pixels;
+      part.measured += seen.range.valid(row, col) ? 1 : 0;
+      ++count[located.objects.labels(row, col)];
+    }
+  }
+  count.erase(0);
+  const auto most = std::max_element(count.begin(), count.end(), [](auto& a, auto& b) { return a.second < b.second; });
+  if (most != count.end()) part.segment = most->first;
+  return part;
+}
+
 GraspError grasp_error(const PartPose& found, const PartPose& truth, const PartModel& model, int grasp_index) {
   GraspError best = error_without_symmetry(found, truth, model, grasp_index);
   for (int i = 0; i < model.symmetry_count; ++i) {
@@ -124,11 +117,11 @@ SceneFate judge(const SeenScene& seen, const ScenePlan& plan, const PartPool& po
   SceneFate fate;
   for (std::size_t i = 0; i < seen.truth.parts.size(); ++i) {
     TruePartFate& part = fate.parts.emplace_back();
-    const Shown here = shown(seen, located, static_cast<int>(i));
+    const ShownPart here = shown_part(seen, located, static_cast<int>(i));
     part.part = seen.truth.parts[i].part;
     part.loaded = std::find(plan.loaded.begin(), plan.loaded.end(), seen.part[i]) != plan.loaded.end();
     part.visible = seen.truth.parts[i].visible_fraction;
-    part.measured = part.visible * here.measured_share;
+    part.measured = part.visible * here.measured_share();
     part.why = reason_of(located, here.segment);
   }
   for (const LocatedPart& found : located.found.parts) settle(found, seen, plan, pool, machine, fate);

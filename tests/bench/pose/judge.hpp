@@ -10,6 +10,7 @@
 namespace beltpick::bench {
 
 inline constexpr double kWrongMm = 1.0, kWrongDeg = 1.0;  // at the grasp
+inline constexpr double kRecallVisible = 0.6;             // the share of a part that must be seen for a miss to count
 
 // How far two poses of a part are apart at its grasp, modulo its symmetry.
 struct GraspError {
@@ -20,6 +21,15 @@ struct GraspError {
 // At grasp `grasp_index` of the model, or, where none was reachable (-1), at that of all where it is largest.
 GraspError grasp_error(const result::PartPose& found, const result::PartPose& truth, const PartModel& model,
                        int grasp_index);
+
+// What an image shows of part i of the truth.
+struct ShownPart {
+  int pixels = 0, measured = 0;
+  std::uint16_t segment = 0;  // that holds most of it; 0 without one
+
+  [[nodiscard]] double measured_share() const { return pixels > 0 ? measured / static_cast<double>(pixels) : 0.0; }
+};
+ShownPart shown_part(const SeenScene& seen, const pipeline::Located& located, int i);
 
 // A part that lay on the belt.
 struct TruePartFate {

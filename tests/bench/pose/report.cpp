@@ -6,18 +6,12 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "bench/pose/quantile.hpp"
+
 namespace beltpick::bench {
 namespace {
 
 using Json = nlohmann::json;
-
-constexpr double kRecallVisible = 0.6;
-
-double quantile(std::vector<double> values, double q) {
-  if (values.empty()) return 0.0;
-  std::sort(values.begin(), values.end());
-  return values[std::min(values.size() - 1, static_cast<std::size_t>(q * static_cast<double>(values.size())))];
-}
 
 // What is counted, for a family, a kind of scene or all.
 struct Tally {

@@ -9,73 +9,31 @@
 #include <map>
 #include <stdexcept>
 
-#include "base/clock.hpp"
-#include "bench/pose/need.hpp"
+#include "bench/pose/scene_bench.hpp"
 #include "bench/pose/scene_dump.hpp"
 
 namespace beltpick::bench {
 namespace {
 
-constexpr double kRecallVisible = 0.6;
-
-// One process's share of the bench: camera and machine.
-class Worker {
- public:
-  Worker(const Options& options, const PartPool& pool)
-      : options_(options),
-        pool_(pool),
-        plan_options_{options.seed, options.rendered_every, {}, options.parts},
-        camera_(pool, options.width, options.height, options.noise_mm),
-        machine_(limits(options), options.workers) {
-    for (const std::string& kind : options.kinds) plan_options_.kinds.push_back(scene_kind(kind));
+SceneRecord run_scene(SceneBench& bench, const Options& options, const PartPool& pool, int k) {
+  const SceneBench::Scene scene = bench.run(k);
+  SceneRecord record{k, std::string(kSceneKindNames[static_cast<std::size_t>(scene.plan.kind)]),
+                     judge(scene.seen, scene.plan, pool, bench.machine(), scene.located)};
+  record.fate.render_ms = scene.making_ms;
+  if (!options.explain.empty()) {
+    std::vector<const PartTemplate*> templates;
+    for (const int index : scene.plan.loaded) templates.push_back(&pool.templates[static_cast<std::size_t>(index)]);
+    write_scene(options.explain, scene.seen, bench.calibration(), templates, scene.located, record);
   }
-
-  SceneRecord run(int k) {
-    const ScenePlan plan = plan_scene(pool_, plan_options_, k);
-    if (plan.loaded != loaded_) {
-      std::vector<PartTemplate> templates;
-      for (const int index : plan.loaded) templates.push_back(pool_.templates[static_cast<std::size_t>(index)]);
-      need(machine_.pipeline.load(templates));
-      loaded_ = plan.loaded;
-    }
-    const Stopwatch watch;
-    const SeenScene seen = camera_.look(plan, machine_);
-    const double render_ms = watch.elapsed_ms();
-    const auto located = need(machine_.pipeline.locate(
-        {seen.range, camera_.calibration().camera, pipeline::projector_position_mm(camera_.calibration()), 1}));
-    SceneRecord record{k, std::string(kSceneKindNames[static_cast<std::size_t>(plan.kind)]),
-                       judge(seen, plan, pool_, machine_, located)};
-    record.fate.render_ms = render_ms;
-    if (!options_.explain.empty()) {
-      std::vector<const PartTemplate*> templates;
-      for (const int index : plan.loaded) templates.push_back(&pool_.templates[static_cast<std::size_t>(index)]);
-      write_scene(options_.explain, seen, camera_.calibration(), templates, located, record);
-    }
-    return record;
-  }
-
- private:
-  static Limits limits(const Options& options) {
-    Limits limits;
-    limits.image_width = options.width;
-    limits.image_height = options.height;
-    return limits;
-  }
-
-  const Options& options_;
-  const PartPool& pool_;
-  PlanOptions plan_options_;
-  BeltCamera camera_;
-  Machine machine_;
-  std::vector<int> loaded_;
-};
+  return record;
+}
 
 // Runs every jobs-th lot of scenes, those of equal templates together, and writes their records to `out`.
 void work(const Options& options, const PartPool& pool, const std::vector<int>& scenes, int job, FILE* out) {
-  Worker worker(options, pool);
+  SceneBench bench(options, pool);
   for (const int k : scenes) {
     if ((k / kScenesAlike) % options.jobs != job) continue;
-    std::fputs((to_line(worker.run(k)) + "\n").c_str(), out);
+    std::fputs((to_line(run_scene(bench, options, pool, k)) + "\n").c_str(), out);
     std::fflush(out);
   }
 }

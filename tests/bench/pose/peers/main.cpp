@@ -10,15 +10,14 @@
 #include <cstdio>
 #include <map>
 #include <nlohmann/json.hpp>
-#include <optional>
 
 #include "base/clock.hpp"
 #include "bench/pose/judge.hpp"
-#include "bench/pose/need.hpp"
-#include "bench/pose/options.hpp"
 #include "bench/pose/peers/opencv_peer.hpp"
 #include "bench/pose/peers/pcl_peer.hpp"
 #include "bench/pose/peers/vtk_peer.hpp"
+#include "bench/pose/quantile.hpp"
+#include "bench/pose/scene_bench.hpp"
 #include "pipeline/object_points.hpp"
 #include "search/views.hpp"
 
@@ -36,45 +35,9 @@ struct Row {
   std::vector<double> ms;
 };
 
-double quantile(std::vector<double> values, double q) {
-  if (values.empty()) return 0.0;
-  std::sort(values.begin(), values.end());
-  return values[std::min(values.size() - 1, static_cast<std::size_t>(q * static_cast<double>(values.size())))];
-}
-
-// Of a true part: how many of its pixels were measured, and the segment that shows most of it.
-struct Shown {
-  int pixels = 0, measured = 0;
-  const Segment* segment = nullptr;
-};
-Shown shown(const SeenScene& seen, const pipeline::Located& located, int i) {
-  std::map<int, int> count;
-  Shown result;
-  for (int row = 0; row < seen.instances.rows; ++row) {
-    for (int col = 0; col < seen.instances.cols; ++col) {
-      if (seen.instances(row, col) != i + 1) continue;
-      ++result.pixels;
-      result.measured += seen.range.valid(row, col) ? 1 : 0;
-      if (located.objects.labels(row, col) > 0) ++count[located.objects.labels(row, col)];
-    }
-  }
-  const auto most = std::max_element(count.begin(), count.end(), [](auto& a, auto& b) { return a.second < b.second; });
-  for (const Segment& segment : located.objects.segments) {
-    if (most != count.end() && segment.label == most->first) result.segment = &segment;
-  }
-  return result;
-}
-
 class Contest {
  public:
-  Contest(const Options& options, const PartPool& pool)
-      : options_(options),
-        pool_(pool),
-        camera_(pool, options.width, options.height, options.noise_mm),
-        machine_(limits(options)) {
-    plan_options_ = {options.seed, options.rendered_every, {}, options.parts};
-    for (const std::string& kind : options.kinds) plan_options_.kinds.push_back(scene_kind(kind));
-  }
+  Contest(const Options& options, const PartPool& pool) : options_(options), pool_(pool), bench_(options, pool) {}
 
   void run() {
     for (int k = options_.first_scene; k < options_.first_scene + options_.scenes; ++k) {
@@ -105,44 +68,28 @@ class Contest {
   }
 
  private:
-  static Limits limits(const Options& options) {
-    Limits limits;
-    limits.image_width = options.width;
-    limits.image_height = options.height;
-    return limits;
-  }
-
   void scene(int k) {
-    const ScenePlan plan = plan_scene(pool_, plan_options_, k);
-    if (plan.loaded != loaded_) {
-      std::vector<PartTemplate> templates;
-      for (const int index : plan.loaded) templates.push_back(pool_.templates[static_cast<std::size_t>(index)]);
-      need(machine_.pipeline.load(templates));
-      loaded_ = plan.loaded;
-    }
-    const SeenScene seen = camera_.look(plan, machine_);
-    const auto located = need(machine_.pipeline.locate(
-        {seen.range, camera_.calibration().camera, pipeline::projector_position_mm(camera_.calibration()), 1}));
-    for (std::size_t i = 0; i < seen.truth.parts.size(); ++i) {
-      const auto at = std::find(plan.loaded.begin(), plan.loaded.end(), seen.part[i]);
-      const Shown here = shown(seen, located, static_cast<int>(i));
-      const bool counts = here.segment != nullptr && here.measured >= kLeastMeasured * here.pixels &&
-                          seen.truth.parts[i].visible_fraction * here.measured >= kLeastMeasured * here.pixels;
-      if (at == plan.loaded.end() || !counts) continue;
+    const SceneBench::Scene scene = bench_.run(k);
+    const std::vector<int>& loaded = scene.plan.loaded;
+    for (std::size_t i = 0; i < scene.seen.part.size(); ++i) {
+      const auto at = std::find(loaded.begin(), loaded.end(), scene.seen.part[i]);
+      const ShownPart here = shown_part(scene.seen, scene.located, static_cast<int>(i));
+      const double measured = scene.seen.truth.parts[i].visible_fraction * here.measured_share();
+      if (at == loaded.end() || here.segment == 0 || measured < kLeastMeasured) continue;
       ++objects_;
-      const auto model_index = static_cast<int>(at - plan.loaded.begin());
-      const PartModel& model = machine_.pipeline.models()[static_cast<std::size_t>(model_index)];
-      judge_product(located, model_index, seen.truth.parts[i].T_camera_part, *here.segment);
-      run_peers(seen, located, *here.segment, seen.part[i], model, seen.truth.parts[i].T_camera_part);
+      const auto model_index = static_cast<int>(at - loaded.begin());
+      const PartPose& truth = scene.seen.truth.parts[i].T_camera_part;
+      judge_product(scene.located, model_index, truth, here.segment);
+      run_peers(scene, here.segment, scene.seen.part[i], model_index, truth);
     }
   }
 
   // Right or wrong by the pose offered that lies nearest to the part, within half its size.
-  void judge_product(const pipeline::Located& located, int model_index, const PartPose& truth, const Segment& segment) {
-    const PartModel& model = machine_.pipeline.models()[static_cast<std::size_t>(model_index)];
+  void judge_product(const pipeline::Located& located, int model_index, const PartPose& truth, std::uint16_t segment) {
+    const PartModel& model = bench_.machine().pipeline.models()[static_cast<std::size_t>(model_index)];
     bool right = false, wrong = false;
     for (const LocatedPart& found : located.found.parts) {
-      const auto& own = machine_.pipeline.models()[static_cast<std::size_t>(found.template_index)];
+      const auto& own = bench_.machine().pipeline.models()[static_cast<std::size_t>(found.template_index)];
       if ((found.T_camera_part * own.centre_mm - truth * model.centre_mm).norm() > 0.25 * model.diagonal_mm) continue;
       const bool true_pose =
           found.template_index == model_index && !grasp_error(found.T_camera_part, truth, model, 0).wrong();
@@ -151,25 +98,29 @@ class Contest {
     Row& row = rows_[0];
     ++(right ? row.right : wrong ? row.wrong : row.none);
     const auto& tried = located.found.tried;
-    const auto at = std::find(tried.begin(), tried.end(), segment.label) - tried.begin();
+    const auto at = std::find(tried.begin(), tried.end(), segment) - tried.begin();
     if (at < std::ssize(tried)) row.ms.push_back(located.found.object_ms[static_cast<std::size_t>(at)]);
   }
 
-  void run_peers(const SeenScene& seen, const pipeline::Located& located, const Segment& segment, int part,
-                 const PartModel& model, const PartPose& truth) {
+  void run_peers(const SceneBench::Scene& scene, std::uint16_t segment, int part, int model_index,
+                 const PartPose& truth) {
+    const PartModel& model = bench_.machine().pipeline.models()[static_cast<std::size_t>(model_index)];
     PeerObject object;
     object.part = &pool_.templates[static_cast<std::size_t>(part)];
     object.sample.resize(2 * kSample);
     pipeline::Object labelled;
-    labelled.add(segment);
-    object.sample.resize(std::min(
-        kSample, pipeline::sample_object(seen.range, located.objects.labels, labelled, kSample, 1, object.sample)));
+    labelled.add(scene.located.objects.segments[segment - 1U]);  // label i + 1 stands at i
+    object.sample.resize(std::min(kSample, pipeline::sample_object(scene.seen.range, scene.located.objects.labels,
+                                                                   labelled, kSample, 1, object.sample)));
     const Stopwatch searching;
     object.starts = starts(object, model);
     const double search_ms = searching.elapsed_ms();
     search_ms_.push_back(search_ms);
     auto detector = detectors_.find(part);
-    if (detector == detectors_.end()) detector = detectors_.emplace(part, OpencvPpf(*object.part)).first;
+    if (detector == detectors_.end()) {
+      std::fprintf(stderr, "\rtraining OpenCV's detector for %s\n", object.part->name.c_str());
+      detector = detectors_.emplace(part, OpencvPpf(*object.part)).first;
+    }
     const auto enter = [&](Row& row, double more_ms, auto&& solve) {
       const Stopwatch watch;
       const PeerFit fit = solve();
@@ -194,10 +145,7 @@ class Contest {
 
   const Options& options_;
   const PartPool& pool_;
-  PlanOptions plan_options_;
-  BeltCamera camera_;
-  Machine machine_;
-  std::vector<int> loaded_;
+  SceneBench bench_;
   std::map<int, OpencvPpf> detectors_;
   std::vector<double> search_ms_;
   int objects_ = 0;

@@ -13,14 +13,15 @@
 #include <vector>
 
 #include "base/units.hpp"
+#include "bench/pose/machine.hpp"
+#include "bench/pose/need.hpp"
+#include "bench/pose/quantile.hpp"
 #include "contract/pose_difference.hpp"
 #include "contract_io/calibration_io.hpp"
 #include "contract_io/capture_io.hpp"
 #include "contract_io/npy_io.hpp"
 #include "contract_io/template_io.hpp"
 #include "contract_io/truth_io.hpp"
-#include "pipeline/measure.hpp"
-#include "pipeline/pipeline.hpp"
 #include "support/temp_folder.hpp"
 
 namespace beltpick::bench {
@@ -28,22 +29,9 @@ namespace {
 
 constexpr int kScenes = 12;
 
-template <class T>
-T need(Result<T> result) {
-  if (result) return std::move(*result);
-  std::fprintf(stderr, "paper_experiment: %s\n", result.error().detail);
-  std::exit(1);
-}
-void need(const Result<void>& result) {
-  if (result) return;
-  std::fprintf(stderr, "paper_experiment: %s\n", result.error().detail);
-  std::exit(1);
-}
-
 void run(const std::string& command) {
   if (std::system((std::string(BELTPICK_BIN_DIR) + "/beltpick " + command + " > /dev/null").c_str()) == 0) return;
-  std::fprintf(stderr, "paper_experiment: 'beltpick %s' failed\n", command.c_str());
-  std::exit(1);
+  throw std::runtime_error("'beltpick " + command + "' failed");
 }
 
 // What is measured of one part.
@@ -54,24 +42,6 @@ struct Row {
   double search_mm = 0.0, icp_mm = 0.0;  // the paper's metric
   double surface_mm = 0.0;
   double error_mm = 0.0, error_deg = 0.0;
-};
-
-// The pipeline after the last frame, and its memory.
-struct Machine {
-  ArenaBlock block;
-  Arena arena;
-  pipeline::Measure measure;
-  pipeline::Pipeline pipeline;
-
-  explicit Machine(const Limits& limits)
-      : block(bytes(limits)), arena(block.data(), block.bytes()), measure(arena, limits), pipeline(arena, limits) {}
-
-  static std::size_t bytes(const Limits& limits) {
-    Arena measuring;
-    const pipeline::Measure measure(measuring, limits);
-    const pipeline::Pipeline pipeline(measuring, limits);
-    return measuring.used_bytes();
-  }
 };
 
 // Of the pixels that show a part, the share that was measured.
@@ -159,11 +129,7 @@ std::vector<Row> run_scene(Machine& machine, const std::filesystem::path& folder
   return rows;
 }
 
-double median(std::vector<double> values) {
-  if (values.empty()) return 0.0;
-  std::sort(values.begin(), values.end());
-  return values[values.size() / 2];
-}
+double median(const std::vector<double>& values) { return quantile(values, 0.5); }
 
 void print_table(const char* title, const std::vector<std::vector<Row>>& scenes, double Row::*value,
                  const char* format) {
@@ -206,25 +172,33 @@ void report(const std::vector<std::vector<Row>>& scenes, const std::vector<doubl
       median(surface), median(error_mm), median(error_deg), median(times_ms));
 }
 
+void run(unsigned seed) {
+  const test::TempFolder folder;
+  const std::string at = folder.path().string();
+  run("simulate --write-parts " + at + "/parts");
+  run("teach " + at + "/parts/knuckle.stl --units mm --out " + at + "/knuckle.template");
+  const std::vector<PartTemplate> templates{need(contract_io::read_template(at + "/knuckle.template"))};
+  Machine machine{Limits{}};
+  need(machine.pipeline.load(templates));
+  std::vector<std::vector<Row>> scenes;
+  std::vector<double> times_ms;
+  for (int scene = 1; scene <= kScenes; ++scene) {
+    const std::string to = at + "/" + std::to_string(scene);
+    run("simulate --scene paper:" + std::to_string(scene) + " --seed " + std::to_string(seed) + " --out " + to);
+    scenes.push_back(run_scene(machine, to, times_ms));
+  }
+  report(scenes, times_ms, seed);
+}
+
 }  // namespace
 }  // namespace beltpick::bench
 
 int main(int argc, char** argv) {
-  using namespace beltpick;
-  const unsigned seed = argc > 1 ? static_cast<unsigned>(std::strtoul(argv[1], nullptr, 10)) : 1U;
-  const test::TempFolder folder;
-  const std::string at = folder.path().string();
-  bench::run("simulate --write-parts " + at + "/parts");
-  bench::run("teach " + at + "/parts/knuckle.stl --units mm --out " + at + "/knuckle.template");
-  const std::vector<PartTemplate> templates{bench::need(contract_io::read_template(at + "/knuckle.template"))};
-  bench::Machine machine{Limits{}};
-  bench::need(machine.pipeline.load(templates));
-  std::vector<std::vector<bench::Row>> scenes;
-  std::vector<double> times_ms;
-  for (int scene = 1; scene <= bench::kScenes; ++scene) {
-    const std::string to = at + "/" + std::to_string(scene);
-    bench::run("simulate --scene paper:" + std::to_string(scene) + " --seed " + std::to_string(seed) + " --out " + to);
-    scenes.push_back(bench::run_scene(machine, to, times_ms));
+  try {
+    beltpick::bench::run(argc > 1 ? static_cast<unsigned>(std::strtoul(argv[1], nullptr, 10)) : 1U);
+    return 0;
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "paper_experiment: %s\n", error.what());
+    return 1;
   }
-  bench::report(scenes, times_ms, seed);
 }

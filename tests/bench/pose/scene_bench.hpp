@@ -1,0 +1,39 @@
+// SceneBench: scene number k of a run, laid, seen and located.
+#pragma once
+
+#include <vector>
+
+#include "bench/pose/belt_camera.hpp"
+#include "bench/pose/options.hpp"
+#include "pipeline/pipeline.hpp"
+
+namespace beltpick::bench {
+
+class SceneBench {
+ public:
+  // Keeps a reference to the pool. Throws std::runtime_error where the options name what there is not.
+  SceneBench(const Options& options, const PartPool& pool);
+
+  // The views stay good until the next call.
+  struct Scene {
+    ScenePlan plan;
+    SeenScene seen;
+    pipeline::Located located;
+    double making_ms = 0.0;  // wall time until there was a range image
+  };
+  Scene run(int k);
+
+  [[nodiscard]] const Machine& machine() const { return machine_; }
+  [[nodiscard]] const Calibration& calibration() const { return camera_.calibration(); }
+
+ private:
+  void load(const std::vector<int>& templates);
+
+  const PartPool& pool_;
+  PlanOptions plan_options_;
+  BeltCamera camera_;
+  Machine machine_;
+  std::vector<int> loaded_;
+};
+
+}  // namespace beltpick::bench
