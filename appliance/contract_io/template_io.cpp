@@ -63,9 +63,32 @@ GripperShape gripper_from(const Json& json) {
   return gripper;
 }
 
+Json to_json(const TaughtCone& c) {
+  return {{"apex_mm", to_json(c.apex_mm)},
+          {"direction", to_json(c.direction)},
+          {"half_angle_rad", c.half_angle_rad},
+          {"from_mm", c.from_mm},
+          {"to_mm", c.to_mm},
+          {"concave", c.concave},
+          {"surface_share", c.surface_share}};
+}
+
+Json to_json(const RestingPosition& r) {
+  return {{"down", to_json(r.down)}, {"height_mm", r.height_mm}, {"likelihood", r.likelihood}};
+}
+
+Json to_json(const RecognitionRoute& r) {
+  return {{"primitive", r.primitive}, {"visible", r.visible}, {"poses", r.poses}};
+}
+
+template <class T>
+Json list_of(const std::vector<T>& items) {
+  Json list = Json::array();
+  for (const T& item : items) list.push_back(to_json(item));
+  return list;
+}
+
 Json header_of(const PartTemplate& part) {
-  Json primitives = Json::array();
-  for (const Primitive& primitive : part.primitives) primitives.push_back(to_json(primitive));
   Json grasps = Json::array();
   for (const Grasp& grasp : part.grasps) {
     grasps.push_back({{"name", grasp.name},
@@ -78,9 +101,13 @@ Json header_of(const PartTemplate& part) {
                  {"spacing_mm", part.spacing_mm},
                  {"box_min_mm", to_json(part.box_min_mm)},
                  {"box_max_mm", to_json(part.box_max_mm)},
-                 {"primitives", primitives},
+                 {"primitives", list_of(part.primitives)},
                  {"symmetry", to_json(part.symmetry)},
-                 {"grasps", grasps}};
+                 {"grasps", grasps},
+                 {"cones", list_of(part.cones)},
+                 {"resting_positions", list_of(part.resting)},
+                 {"routes", list_of(part.routes)},
+                 {"search_steps", {{"turn_rad", part.steps.turn_rad}, {"shift_mm", part.steps.shift_mm}}}};
   if (part.gripper) header["gripper"] = to_json(*part.gripper);
   return header;
 }
@@ -128,6 +155,36 @@ Symmetry symmetry_from(const Json& json) {
   return s;
 }
 
+void read(const Json& json, TaughtCone& c) {
+  c.apex_mm = vec3_from(json.at("apex_mm"));
+  c.direction = vec3_from(json.at("direction"));
+  c.half_angle_rad = json.at("half_angle_rad").get<double>();
+  c.from_mm = json.at("from_mm").get<double>();
+  c.to_mm = json.at("to_mm").get<double>();
+  c.concave = json.at("concave").get<bool>();
+  c.surface_share = json.at("surface_share").get<double>();
+}
+
+void read(const Json& json, RestingPosition& r) {
+  r.down = vec3_from(json.at("down"));
+  r.height_mm = json.at("height_mm").get<double>();
+  r.likelihood = json.at("likelihood").get<double>();
+}
+
+void read(const Json& json, RecognitionRoute& r) {
+  r.primitive = json.at("primitive").get<int>();
+  r.visible = json.at("visible").get<double>();
+  r.poses = json.at("poses").get<int>();
+}
+
+// A list that templates of earlier versions lack.
+template <class T>
+void read_list(const Json& json, const char* member, std::vector<T>& items) {
+  const auto list = json.find(member);
+  if (list == json.end()) return;
+  for (const Json& item : *list) read(item, items.emplace_back());
+}
+
 PartTemplate part_from(const Json& json) {
   PartTemplate part;
   part.spacing_mm = json.at("spacing_mm").get<double>();
@@ -141,6 +198,12 @@ PartTemplate part_from(const Json& json) {
                            grasp.at("opening_mm").get<double>()});
   }
   if (json.contains("gripper")) part.gripper = gripper_from(json.at("gripper"));
+  read_list(json, "cones", part.cones);
+  read_list(json, "resting_positions", part.resting);
+  read_list(json, "routes", part.routes);
+  if (const auto steps = json.find("search_steps"); steps != json.end()) {
+    part.steps = {steps->at("turn_rad").get<double>(), steps->at("shift_mm").get<double>()};
+  }
   return part;
 }
 
@@ -165,8 +228,9 @@ Result<Parts> take_apart(std::string_view bytes, const char* name) {
                    "%s: expected a template written by 'beltpick teach', found something else", name);
   }
   if (version != kVersion) {
-    return failure(ResultCode::kVersionUnsupported, "%s: version: expected %d, found %d; teach the part again", name,
-                   kVersion, version);
+    return failure(ResultCode::kVersionUnsupported, "%s: version: expected %d, found %d; %s", name, kVersion, version,
+                   version > kVersion ? "a later beltpick wrote it: update this one, or teach the part again with it"
+                                      : "teach the part again");
   }
   const std::string_view rest = bytes.substr(line_end + 1);
   if (checksum(rest) != sum || json_bytes > rest.size()) {

@@ -40,6 +40,26 @@ bool good(const Grasp& grasp) {
          grasp.opening_mm <= kLargest_mm;
 }
 
+bool share(double value) { return value >= 0.0 && value <= 1.0 + 1e-6; }
+
+bool good(const TaughtCone& cone) {
+  return sane(1e-3 * cone.apex_mm) && unit(cone.direction) && cone.half_angle_rad > 0.0 && cone.half_angle_rad < 1.58 &&
+         std::isfinite(cone.from_mm) && std::isfinite(cone.to_mm) && share(cone.surface_share);
+}
+
+bool good(const RestingPosition& resting) {
+  return unit(resting.down) && std::abs(resting.height_mm) <= kLargest_mm && share(resting.likelihood);
+}
+
+bool good(const RecognitionRoute& route, std::size_t primitives) {
+  return route.primitive >= -1 && route.primitive < static_cast<int>(primitives) && share(route.visible) &&
+         route.poses >= 0;
+}
+
+bool good(const SearchSteps& steps) {
+  return steps.turn_rad >= 0.0 && steps.turn_rad <= 6.3 && steps.shift_mm >= 0.0 && steps.shift_mm <= kLargest_mm;
+}
+
 // What is wrong with the surface; null where nothing is.
 const char* surface_fault(const PartTemplate& part) {
   if (!sane(part.box_min_mm) || !sane(part.box_max_mm)) return "box_min_mm, box_max_mm: expected a box of millimetres";
@@ -69,6 +89,13 @@ const char* fault_of(const PartTemplate& part) {
   if (!each(part.primitives)) return "primitives: expected finite places, unit directions, radii of 0 or more";
   if (!each(part.grasps)) return "grasps: expected rigid poses in mm and openings of 0 or more";
   if (part.gripper && gripper_fault(*part.gripper) != nullptr) return "gripper: expected sizes of jaws and palm in mm";
+  if (!each(part.cones)) return "cones: expected finite places, unit directions, angles below a right one";
+  if (!each(part.resting)) return "resting_positions: expected unit directions and likelihoods of 0 to 1";
+  const auto planned = [&](const RecognitionRoute& route) { return good(route, part.primitives.size()); };
+  if (!std::all_of(part.routes.begin(), part.routes.end(), planned)) {
+    return "routes: expected numbers of primitives, likelihoods of 0 to 1";
+  }
+  if (!good(part.steps)) return "search_steps: expected an angle and a length";
   const Symmetry& symmetry = part.symmetry;
   const bool turns = std::all_of(symmetry.elements.begin(), symmetry.elements.end(),
                                  [](const auto& element) { return rigid(element); });

@@ -1,7 +1,10 @@
 // beltpick teach: a part's mesh or scan becomes the template that locate and the appliance look for.
+#include <algorithm>
 #include <array>
 #include <memory>
+#include <optional>
 
+#include "base/units.hpp"
 #include "commands.hpp"
 #include "contract/limits.hpp"
 #include "contract/result_codes.hpp"
@@ -11,6 +14,7 @@
 #include "options.hpp"
 #include "progress.hpp"
 #include "scan_input.hpp"
+#include "teach/rehearsal.hpp"
 #include "teach/report.hpp"
 #include "teach/teach.hpp"
 #include "teach/units.hpp"
@@ -29,6 +33,7 @@ struct TeachCommand {
   std::string out;
   std::string grasps;
   std::string report;
+  int views = 16;
   int points = static_cast<int>(teach::TeachOptions{}.points);
 };
 
@@ -42,21 +47,79 @@ contract_io::Json json_of(const Primitive& primitive) {
           {"direction", {primitive.direction.x(), primitive.direction.y(), primitive.direction.z()}}};
 }
 
-contract_io::Json json_of(const teach::Taught& taught, const TeachCommand& command) {
+contract_io::Json json_of(const TaughtCone& cone) {
+  return {{"kind", "cone"},
+          {"half_angle_rad", cone.half_angle_rad},
+          {"concave", cone.concave},
+          {"surface_share", cone.surface_share},
+          {"apex_mm", {cone.apex_mm.x(), cone.apex_mm.y(), cone.apex_mm.z()}},
+          {"direction", {cone.direction.x(), cone.direction.y(), cone.direction.z()}}};
+}
+
+contract_io::Json json_of(const RestingPosition& position) {
+  return {{"down", {position.down.x(), position.down.y(), position.down.z()}},
+          {"height_mm", position.height_mm},
+          {"likelihood", position.likelihood}};
+}
+
+// What the simulated views say; null where none were asked for.
+contract_io::Json json_of(const std::optional<teach::Rehearsal>& rehearsal) {
+  if (!rehearsal) return nullptr;
+  return {{"views", rehearsal->views.size()},
+          {"found", rehearsal->count(teach::Outcome::kFound)},
+          {"ambiguous", rehearsal->count(teach::Outcome::kAmbiguous)},
+          {"withheld", rehearsal->count(teach::Outcome::kWithheld)},
+          {"wrong", rehearsal->count(teach::Outcome::kWrong)},
+          {"noise_mm", rehearsal->noise_mm},
+          {"rms_error", rehearsal->rms_error},
+          {"worst_error", rehearsal->worst_error},
+          {"median_ms", rehearsal->median_ms},
+          {"memory_bytes", rehearsal->memory_bytes},
+          {"search_steps",
+           {{"turn_rad", rehearsal->basin.steps.turn_rad},
+            {"shift_mm", rehearsal->basin.steps.shift_mm},
+            {"home_share", rehearsal->basin.home_at_steps}}}};
+}
+
+contract_io::Json json_of(const teach::Taught& taught, const std::optional<teach::Rehearsal>& rehearsal,
+                          const TeachCommand& command) {
   const Vec3 size = taught.part.box_max_mm - taught.part.box_min_mm;
   contract_io::Json primitives = contract_io::Json::array();
   for (const Primitive& primitive : taught.part.primitives) primitives.push_back(json_of(primitive));
+  contract_io::Json cones = contract_io::Json::array();
+  for (const TaughtCone& cone : taught.part.cones) cones.push_back(json_of(cone));
+  contract_io::Json resting = contract_io::Json::array();
+  for (const RestingPosition& position : taught.part.resting) resting.push_back(json_of(position));
   return {{"template", command.out},
           {"size_mm", {size.x(), size.y(), size.z()}},
           {"points", taught.part.point_mm.size()},
           {"spacing_mm", taught.part.spacing_mm},
           {"symmetry", taught.part.symmetry.name},
           {"primitives", primitives},
+          {"cones", cones},
+          {"resting_positions", resting},
+          {"rehearsal", json_of(rehearsal)},
           {"grasps", taught.part.grasps.size()},
           {"warnings", taught.warnings}};
 }
 
-std::string text_of(const teach::Taught& taught, const TeachCommand& command) {
+std::string text_of(const teach::Rehearsal& rehearsal) {
+  std::array<char, 400> line{};
+  const auto worst = [&](std::size_t from) {
+    return *std::max_element(rehearsal.rms_error.begin() + static_cast<std::ptrdiff_t>(from),
+                             rehearsal.rms_error.begin() + static_cast<std::ptrdiff_t>(from) + 3);
+  };
+  std::snprintf(line.data(), line.size(),
+                "  tried on %zu simulated views: %zu found, %zu ambiguous, %zu withheld, %zu wrong; rms %.3f mm and "
+                "%.3f degree along the worst axis, %.0f ms a part (median)\n",
+                rehearsal.views.size(), rehearsal.count(teach::Outcome::kFound),
+                rehearsal.count(teach::Outcome::kAmbiguous), rehearsal.count(teach::Outcome::kWithheld),
+                rehearsal.count(teach::Outcome::kWrong), worst(3), deg_from_rad(worst(0)), rehearsal.median_ms);
+  return line.data();
+}
+
+std::string text_of(const teach::Taught& taught, const std::optional<teach::Rehearsal>& rehearsal,
+                    const TeachCommand& command) {
   const Vec3 size = taught.part.box_max_mm - taught.part.box_min_mm;
   std::array<char, 400> line{};
   std::snprintf(line.data(), line.size(),
@@ -73,6 +136,16 @@ std::string text_of(const teach::Taught& taught, const TeachCommand& command) {
     std::snprintf(line.data(), line.size(), ", %.1f %% of the surface\n", 100 * p.inlier_share);
     text += line.data();
   }
+  for (const TaughtCone& cone : taught.part.cones) {
+    std::snprintf(line.data(), line.size(), "  %scone, %.1f degree from axis to side, %.1f %% of the surface\n",
+                  cone.concave ? "concave " : "", deg_from_rad(cone.half_angle_rad), 100 * cone.surface_share);
+    text += line.data();
+  }
+  std::snprintf(line.data(), line.size(), "  %zu resting positions, the likeliest %.0f %%\n",
+                taught.part.resting.size(),
+                taught.part.resting.empty() ? 0.0 : 100 * taught.part.resting.front().likelihood);
+  text += line.data();
+  if (rehearsal) text += text_of(*rehearsal);
   return text;
 }
 
@@ -108,7 +181,7 @@ Result<Source> read_source(const TeachCommand& command, const Session& session) 
 }
 
 Result<void> run(const TeachCommand& command, Session& session) {
-  Progress progress("teach", 3, session.json);
+  Progress progress("teach", 4, session.json);
   auto source = read_source(command, session);
   if (!source) return std::unexpected(source.error());
   auto grasps = grasps_of(command);
@@ -116,7 +189,7 @@ Result<void> run(const TeachCommand& command, Session& session) {
   progress.show(1);
   const teach::TeachOptions options{.points = static_cast<std::size_t>(command.points),
                                     .mm_per_unit = teach::mm_per_unit(command.units)};
-  auto taught = teach::teach(std::move(source->mesh), std::move(*grasps), options);
+  auto taught = teach::teach(source->mesh, std::move(*grasps), options);
   if (!taught) return failure(taught.error().code, "%s: %s", command.files.front().c_str(), taught.error().detail);
   if (!command.grasps.empty()) {
     const auto gripper = contract_io::read_gripper(command.grasps);
@@ -126,18 +199,25 @@ Result<void> run(const TeachCommand& command, Session& session) {
   progress.show(2);
   const auto twins = check_twins(taught->part, command.against, session);
   if (!twins) return std::unexpected(twins.error());
+  std::optional<teach::Rehearsal> rehearsal;
+  if (command.views > 0) {
+    auto rehearsed = teach::rehearse(*taught, source->mesh, command.views);
+    if (!rehearsed) return std::unexpected(rehearsed.error());
+    rehearsal = std::move(*rehearsed);
+  }
+  progress.show(3);
   if (auto written = contract_io::write_template(command.out, taught->part); !written) return written;
   if (!command.report.empty()) {
     const std::string name = std::filesystem::path(command.out).stem().string();
-    if (auto written = teach::write_report(command.report, name, *taught); !written) return written;
+    if (auto written = teach::write_report(command.report, name, *taught, rehearsal); !written) return written;
   }
-  progress.show(3);
+  progress.show(4);
   session.warn(taught->warnings);
-  contract_io::Json answer = json_of(*taught, command);
+  contract_io::Json answer = json_of(*taught, rehearsal, command);
   if (source->stitched) answer["stitched"] = scans_json(*source->stitched);
   if (!command.against.empty()) answer["against"] = twins->answer;
-  session.answer(answer,
-                 text_of(*taught, command) + (source->stitched ? scans_text(*source->stitched) : "") + twins->text);
+  session.answer(answer, text_of(*taught, rehearsal, command) +
+                             (source->stitched ? scans_text(*source->stitched) : "") + twins->text);
   return {};
 }
 
@@ -165,6 +245,8 @@ Run add_teach(CLI::App& app) {
   app.add_option("--grasps", command->grasps, "grasps.toml; without it grasps are proposed")->type_name("FILE");
   app.add_option("--points", command->points, "points of the template (default 36600)")
       ->check(CLI::Range(500, Limits{}.template_points));
+  app.add_option("--views", command->views, "simulated views that the template is tried on (default 16, 0: none)")
+      ->check(CLI::Range(0, 1000));
   app.add_option("--report", command->report, "folder for a page with pictures of what was found")->type_name("DIR");
   example(app,
           "  beltpick teach knuckle.stl --units mm --grasps grasps.toml --out knuckle.template --report report\n"

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include "teach/cones.hpp"
+
 namespace beltpick::teach {
 
 namespace {
@@ -14,41 +16,28 @@ using contract_io::Rgb;
 constexpr Rgb kBackground{250, 250, 248};
 constexpr Rgb kPlain{176, 180, 186};
 constexpr Rgb kGraspColour{20, 20, 20};
-constexpr std::array<Rgb, 8> kColours{{{230, 92, 70},
-                                       {66, 135, 245},
-                                       {82, 176, 96},
-                                       {240, 176, 48},
-                                       {160, 96, 200},
-                                       {60, 180, 190},
-                                       {214, 110, 160},
-                                       {140, 120, 80}}};
-constexpr double kOnPrimitive_mm = 0.2;
-
-// Index of the first primitive that a surface point lies on, or -1.
-int primitive_of(const std::vector<Primitive>& primitives, const Vec3& point, const Vec3& normal) {
-  for (std::size_t i = 0; i < primitives.size(); ++i) {
-    const Primitive& p = primitives[i];
-    const Vec3 arm = point - p.point_mm;
-    Vec3 outward = p.direction;
-    double distance_mm = arm.dot(p.direction);
-    if (p.kind != PrimitiveKind::kPlane) {
-      const Vec3 radial = p.kind == PrimitiveKind::kCylinder ? Vec3(arm - distance_mm * p.direction) : arm;
-      distance_mm = radial.norm() - p.radius_mm;
-      outward = p.concave ? Vec3(-radial.normalized()) : radial.normalized();
-    }
-    if (std::abs(distance_mm) < kOnPrimitive_mm && outward.dot(normal) > 0.9) return static_cast<int>(i);
-  }
-  return -1;
-}
-
+constexpr Rgb kMarked{214, 40, 40};
+constexpr std::array<Rgb, 16> kColours{{{230, 92, 70},
+                                        {66, 135, 245},
+                                        {82, 176, 96},
+                                        {240, 176, 48},
+                                        {160, 96, 200},
+                                        {60, 180, 190},
+                                        {214, 110, 160},
+                                        {140, 120, 80},
+                                        {150, 40, 40},
+                                        {40, 70, 150},
+                                        {30, 100, 50},
+                                        {150, 210, 90},
+                                        {255, 150, 200},
+                                        {90, 60, 130},
+                                        {120, 210, 235},
+                                        {200, 190, 60}}};
 // An orthographic view that a part's box fits into.
 class View {
  public:
-  View(const PartTemplate& part, const Vec3& direction, int rows, int cols) : rows_(rows), cols_(cols) {
-    z_ = direction.normalized();
-    const Vec3 up = std::abs(z_.z()) < 0.95 ? Vec3::UnitZ() : Vec3::UnitY();
-    x_ = z_.cross(up).normalized();
-    y_ = z_.cross(x_);
+  View(const PartTemplate& part, const Mat3& looking, int rows, int cols)
+      : rows_(rows), cols_(cols), x_(looking.row(0)), y_(looking.row(1)), z_(looking.row(2)) {
     middle_ = 0.5 * (part.box_min_mm + part.box_max_mm);
     double half_width = 1e-3;
     double half_height = 1e-3;
@@ -134,20 +123,50 @@ void draw_grasp(Canvas& canvas, const View& view, const Grasp& grasp) {
 
 contract_io::Rgb primitive_colour(std::size_t index) { return kColours[index % kColours.size()]; }
 
-Picture draw_part(const Taught& taught, const Vec3& direction, int rows, int cols) {
-  const View view(taught.part, direction, rows, cols);
+Mat3 looking_along(const Vec3& direction) {
+  const Vec3 z = direction.normalized();
+  const Vec3 up = std::abs(z.z()) < 0.95 ? Vec3::UnitZ() : Vec3::UnitY();
+  const Vec3 x = z.cross(up).normalized();
+  Mat3 looking;
+  looking << x.transpose(), z.cross(x).transpose(), z.transpose();
+  return looking;
+}
+
+std::vector<Rgb> colours_of_primitives(const Taught& taught) {
+  const PartTemplate& part = taught.part;
+  std::vector<Rgb> colours(part.point_mm.size(), kPlain);
+  for (std::size_t i = 0; i < colours.size(); ++i) {
+    const Vec3 point = part.point_mm[i].cast<double>();
+    const Vec3 normal = part.normal[i].cast<double>();
+    const int primitive = primitive_of(part.primitives, point, normal);
+    if (primitive >= 0) colours[i] = primitive_colour(static_cast<std::size_t>(primitive));
+    for (std::size_t c = 0; primitive < 0 && c < part.cones.size(); ++c) {
+      if (on_cone(part.cones[c], point, normal)) colours[i] = primitive_colour(part.primitives.size() + c);
+    }
+  }
+  return colours;
+}
+
+std::vector<Rgb> colours_of_marks(const std::vector<bool>& marked) {
+  std::vector<Rgb> colours;
+  for (const bool mark : marked) colours.push_back(mark ? kMarked : kPlain);
+  return colours;
+}
+
+Picture draw_part(const Taught& taught, const Mat3& looking, const std::vector<Rgb>& colours, std::size_t grasps,
+                  int rows, int cols) {
+  const View view(taught.part, looking, rows, cols);
   Canvas canvas(rows, cols);
-  const Vec3 light = (-view.direction() + Vec3(0.3, 0.2, 0.4)).normalized();
-  const double radius_px = std::max(1.0, 0.75 * taught.part.spacing_mm * view.scale());
+  const Vec3 light =
+      (-view.direction() - 0.4 * looking.row(1).transpose() - 0.3 * looking.row(0).transpose()).normalized();
+  const double radius_px = std::max(1.0, 0.95 * taught.part.spacing_mm * view.scale());
   for (std::size_t i = 0; i < taught.part.point_mm.size(); ++i) {
     const Vec3 normal = taught.part.normal[i].cast<double>();
     if (normal.dot(view.direction()) > 0) continue;
     const Vec3 point = taught.part.point_mm[i].cast<double>();
-    const int primitive = primitive_of(taught.part.primitives, point, normal);
-    const Rgb colour = primitive < 0 ? kPlain : primitive_colour(static_cast<std::size_t>(primitive));
-    canvas.disc(view.project(point), radius_px, shaded(colour, 0.35 + 0.65 * std::max(0.0, normal.dot(light))));
+    canvas.disc(view.project(point), radius_px, shaded(colours[i], 0.35 + 0.65 * std::max(0.0, normal.dot(light))));
   }
-  for (std::size_t g = 0; g < std::min<std::size_t>(3, taught.part.grasps.size()); ++g)
+  for (std::size_t g = 0; g < std::min(grasps, taught.part.grasps.size()); ++g)
     draw_grasp(canvas, view, taught.part.grasps[g]);
   return std::move(canvas.picture);
 }

@@ -47,11 +47,16 @@ class TurnTest {
     std::size_t tried = 0;
     std::size_t off = 0;
     for (std::size_t i = 0; i < count; i += step, ++tried) {
-      const Vec3f point = (turn * Vec3(surface_.point_mm[i].cast<double>())).cast<float>();
-      const Vec3f normal = (turn.rotation * surface_.normal[i].cast<double>()).cast<float>();
-      if (!on_surface(point, normal, within_mm)) ++off;
+      if (moved_off(i, turn, within_mm)) ++off;
     }
     return static_cast<double>(off) / static_cast<double>(tried);
+  }
+
+  // Whether point `i` does not come to lie on the surface again.
+  [[nodiscard]] bool moved_off(std::size_t i, const Turn& turn, float within_mm) const {
+    const Vec3f point = (turn * Vec3(surface_.point_mm[i].cast<double>())).cast<float>();
+    const Vec3f normal = (turn.rotation * surface_.normal[i].cast<double>()).cast<float>();
+    return !on_surface(point, normal, within_mm);
   }
 
   // The turn, shifted so that the turned surface lies on the surface best: a mark on one side of a part draws the
@@ -185,10 +190,17 @@ void note_near_turn(SymmetryReport& report, const TurnTest& test, const Turn& tu
   const double share = test.differing_share(settled, false);
   if (share > kNearShare || (report.nearest_turn && report.nearest_turn->differing_share <= share)) return;
   const Eigen::AngleAxisd angle_axis(turn.rotation);
-  report.nearest_turn = {share, angle_axis.angle(), angle_axis.axis()};
+  report.nearest_turn = {share, angle_axis.angle(), angle_axis.axis(), settled};
 }
 
 }  // namespace
+
+std::vector<bool> moved_off(const Surface& surface, const Turn& turn, double tolerance_mm) {
+  const TurnTest test(surface, tolerance_mm);
+  std::vector<bool> off(surface.point_mm.size());
+  for (std::size_t i = 0; i < off.size(); ++i) off[i] = test.moved_off(i, turn, static_cast<float>(tolerance_mm));
+  return off;
+}
 
 SymmetryReport find_symmetry(const Surface& surface, const std::vector<Primitive>& primitives, double tolerance_mm) {
   SymmetryReport report;

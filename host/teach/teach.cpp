@@ -11,7 +11,9 @@
 #include "contract_io/template_judge.hpp"
 #include "html/page.hpp"
 #include "primitives/msac.hpp"
+#include "teach/cones.hpp"
 #include "teach/default_grasps.hpp"
+#include "teach/resting.hpp"
 #include "teach/units.hpp"
 
 namespace beltpick::teach {
@@ -37,10 +39,18 @@ std::vector<OrientedPoint> oriented(const Surface& surface) {
   return points;
 }
 
-// A cylinder leaves two freedoms, a plane and a sphere three; what is large is seen more often.
-double usefulness(const Primitive& primitive) {
-  const double certainty = primitive.kind == PrimitiveKind::kCylinder ? 2.0 : 1.0;
-  return certainty * primitive.inlier_share;
+// The corners of faces, where there are not too many to look at; else points of the surface.
+std::vector<Vec3f> corners_of(const Mesh& mesh, const Surface& surface) {
+  constexpr std::size_t kMost = 60000;
+  std::vector<bool> used(mesh.vertex_mm.size(), false);
+  for (const auto& face : mesh.face) {
+    for (const std::uint32_t index : face) used[index] = true;
+  }
+  std::vector<Vec3f> corners;
+  for (std::size_t i = 0; i < used.size(); ++i) {
+    if (used[i]) corners.push_back(mesh.vertex_mm[i]);
+  }
+  return corners.empty() || corners.size() > kMost ? surface.point_mm : corners;
 }
 
 void take_box(PartTemplate& part) {
@@ -152,10 +162,7 @@ std::vector<Primitive> find_primitives(const Surface& surface, std::uint64_t see
   std::array<Primitive, kMaxPrimitives> found;
   Random random(seed);
   const int count = finder.find_sequence(points, queries, found, random);
-  std::vector<Primitive> ranked(found.begin(), found.begin() + count);
-  std::stable_sort(ranked.begin(), ranked.end(),
-                   [](const Primitive& a, const Primitive& b) { return usefulness(a) > usefulness(b); });
-  return ranked;
+  return {found.begin(), found.begin() + count};
 }
 
 Result<Taught> teach(Mesh mesh, std::vector<Grasp> grasps, const TeachOptions& options) {
@@ -180,6 +187,12 @@ Result<Taught> teach(Mesh mesh, std::vector<Grasp> grasps, const TeachOptions& o
   SymmetryReport symmetry = find_symmetry(taught.surface, part.primitives, tolerance_mm);
   part.symmetry = std::move(symmetry.symmetry);
   taught.nearest_turn = symmetry.nearest_turn;
+  taught.symmetry_tolerance_mm = tolerance_mm;
+  taught.centre_of_gravity_mm = centre_of_gravity_mm(mesh, taught.surface);
+  part.resting = resting_positions(corners_of(mesh, taught.surface), taught.centre_of_gravity_mm, part.symmetry);
+  part.cones = find_cones(taught.surface, part.primitives, options.seed);
+  taught.worth = rank_primitives(taught.surface, part.resting, part.primitives);
+  part.routes = plan_routes(part, taught.worth, part.steps);
   part.grasps =
       grasps.empty() ? default_grasps(taught.surface, part.primitives, options.opening_max_mm) : std::move(grasps);
   warn_of_size(part, options.mm_per_unit, taught.warnings);

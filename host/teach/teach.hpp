@@ -8,6 +8,7 @@
 #include "base/result.hpp"
 #include "contract/mesh.hpp"
 #include "contract/part_template.hpp"
+#include "teach/recognition.hpp"
 #include "teach/surface.hpp"
 #include "teach/symmetry.hpp"
 
@@ -24,15 +25,18 @@ struct Taught {
   PartTemplate part;
   Surface surface;
   MeshRepair repair;
+  std::vector<PrimitiveWorth> worth;  // of each of part.primitives
+  Vec3 centre_of_gravity_mm = Vec3::Zero();
   std::optional<SymmetryReport::NearTurn> nearest_turn;
-  std::vector<std::string> warnings;  // one line each: what, and what to do
+  double symmetry_tolerance_mm = 0.0;  // within which a turned surface counts as the same
+  std::vector<std::string> warnings;   // one line each: what, and what to do
 };
 
 // `mesh` in mm, part frame = the file's own coordinates. Grasps may be empty: then default ones are made. Errors:
 // kMeshInvalid where the mesh has no area or a size that cannot be; kValueOutOfRange.
 Result<Taught> teach(Mesh mesh, std::vector<Grasp> grasps, const TeachOptions& options);
 
-// The planes, cylinders and spheres of a surface, those first that a search gains most by.
+// The planes, cylinders and spheres of a surface, largest first as they are found.
 std::vector<Primitive> find_primitives(const Surface& surface, std::uint64_t seed);
 
 }  // namespace beltpick::teach

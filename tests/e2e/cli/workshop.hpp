@@ -21,7 +21,7 @@ inline const TempFolder& workshop() {
   static const bool made = [] {
     must_run("simulate --camera 160x120 --projector 152x190 --seed 3 --out " + (folder / "scene").string() +
              " --write-parts " + folder.path().string());
-    must_run("teach " + (folder / "knuckle.stl").string() + " --points 500 --out " +
+    must_run("teach " + (folder / "knuckle.stl").string() + " --points 500 --views 0 --out " +
              (folder / "knuckle.template").string());
     return true;
   }();

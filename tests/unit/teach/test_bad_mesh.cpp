@@ -1,5 +1,5 @@
 #include <catch2/catch.hpp>
-#include <fstream>
+#include <cstring>
 
 #include "contract/result_codes.hpp"
 #include "contract_io/mesh_io.hpp"
@@ -79,6 +79,32 @@ TEST_CASE("polygons that are not convex are cut into triangles that cover them",
     const Vec3f a = obj.vertex_mm[face[0]];
     CHECK((obj.vertex_mm[face[1]] - a).cross(obj.vertex_mm[face[2]] - a).z() > 0);
   }
+}
+
+TEST_CASE("a PLY of big-endian doubles, short indices and polygons is read", "[teach][mesh]") {
+  std::string bytes =
+      "ply\nformat binary_big_endian 1.0\ncomment from afar\nelement vertex 5\nproperty double x\nproperty double y\n"
+      "property double z\nproperty uchar red\nelement face 1\nproperty uchar flag\nproperty list uchar ushort "
+      "vertex_index\nend_header\n";
+  const auto append = [&](auto value) {
+    std::string raw(sizeof value, '\0');
+    std::memcpy(raw.data(), &value, sizeof value);
+    bytes.append(raw.rbegin(), raw.rend());
+  };
+  // A square with a notch to its middle.
+  for (const auto& [x, y] : {std::pair{0.0, 0.0}, {4.0, 0.0}, {4.0, 4.0}, {2.0, 2.0}, {0.0, 4.0}}) {
+    append(x);
+    append(y);
+    append(1.5);
+    bytes += '\xff';
+  }
+  bytes += '\x01';
+  bytes += '\x05';
+  for (std::uint16_t index = 0; index < 5; ++index) append(index);
+  const Mesh mesh = read("a.ply", bytes);
+  CHECK(mesh.face.size() == 3);
+  CHECK(area_mm2(mesh) == Approx(12));
+  CHECK(mesh.vertex_mm[2] == Vec3f(4, 4, 1.5F));
 }
 
 TEST_CASE("a PLY whose surface is told by strips does not pass for a scan", "[teach][mesh]") {

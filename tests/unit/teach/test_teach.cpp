@@ -1,7 +1,10 @@
+#include <zlib.h>
+
 #include <catch2/catch.hpp>
 
 #include <filesystem>
 #include <fstream>
+#include <nlohmann/json.hpp>
 
 #include "contract/result_codes.hpp"
 #include "contract_io/grasps_io.hpp"
@@ -44,6 +47,8 @@ TEST_CASE("a template comes back from its file as it was", "[teach][template]") 
   const Folder folder;
   auto taught = teach::teach(test::bracket(), {}, {.points = 5000});
   taught->part.symmetry.elements.push_back({});
+  taught->part.cones.push_back({{1, 2, 3}, Vec3::UnitX(), 0.5, 1, 2, true, 0.1});
+  taught->part.steps = {0.3, 2.5};
   const auto path = folder.path / "angle.template";
   REQUIRE(contract_io::write_template(path, taught->part).has_value());
   const auto read = contract_io::read_template(path);
@@ -55,6 +60,42 @@ TEST_CASE("a template comes back from its file as it was", "[teach][template]") 
   CHECK(read->primitives[0].direction == taught->part.primitives[0].direction);
   CHECK(read->grasps.size() == taught->part.grasps.size());
   CHECK(read->symmetry.elements.size() == 1);
+  REQUIRE(read->cones.size() == 1);
+  CHECK(read->cones[0].half_angle_rad == 0.5);
+  REQUIRE(read->resting.size() == taught->part.resting.size());
+  CHECK(read->resting[0].down == taught->part.resting[0].down);
+  REQUIRE(read->routes.size() == taught->part.routes.size());
+  CHECK(read->routes[0].poses == taught->part.routes[0].poses);
+  CHECK(read->steps.shift_mm == 2.5);
+}
+
+TEST_CASE("a template without the members that came later is read, a later version is refused by name",
+          "[teach][template]") {
+  const Folder folder;
+  const auto taught = teach::teach(test::bracket(), {}, {.points = 500});
+  const auto path = folder.path / "part.template";
+  REQUIRE(contract_io::write_template(path, taught->part).has_value());
+  std::ifstream file(path, std::ios::binary);
+  const std::string whole{std::istreambuf_iterator<char>(file), {}};
+  const std::size_t line_end = whole.find('\n');
+  const std::size_t json_bytes = std::stoul(whole.substr(whole.rfind(' ', line_end)));
+  auto json = nlohmann::json::parse(whole.substr(line_end + 1, json_bytes));
+  for (const char* later : {"cones", "resting_positions", "routes", "search_steps"}) json.erase(later);
+  json["of a later version"] = 1;
+  const std::string rest = json.dump() + whole.substr(line_end + 1 + json_bytes);
+  const auto sum = crc32_z(0, reinterpret_cast<const unsigned char*>(rest.data()), rest.size());
+  char line[80];
+  std::snprintf(line, sizeof line, "beltpick-template 1 %08lx %zu\n", sum, json.dump().size());
+  const auto old = contract_io::parse_template(line + rest, "part", "part.template");
+  INFO((old ? "" : old.error().detail));
+  REQUIRE(old.has_value());
+  CHECK(old->routes.empty());
+  CHECK(old->steps.turn_rad == 0.0);
+  CHECK(old->point_mm == taught->part.point_mm);
+  const auto later = contract_io::parse_template("beltpick-template 2" + whole.substr(19), "part", "part.template");
+  REQUIRE_FALSE(later.has_value());
+  CHECK(later.error().code == ResultCode::kVersionUnsupported);
+  CHECK(later.error().text().find("later beltpick") != std::string_view::npos);
 }
 
 TEST_CASE("a template torn or changed anywhere is refused", "[teach][template]") {
