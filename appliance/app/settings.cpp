@@ -134,7 +134,10 @@ void visit_settings(Settings& s, Visitor& visit) {
   visit.flag("limits.code_rows", s.limits.code_rows, "room for sequences that code projector rows, too");
   visit.integer("limits.templates", s.limits.templates, 1, 64, "of one recipe");
   visit.integer("limits.template_points", s.limits.template_points, 1000, 65535, "of one template");
-  visit.integer("limits.grid_cells", s.limits.grid_cells, 10'000, 100'000'000, "of one template's closest-point grid");
+  visit.integer(
+      "limits.grid_cells", s.limits.grid_cells, 0, 100'000'000,
+      "of one template's closest-point grid, 2 bytes each; 0: a k-d tree in its place, exact but several times "
+      "slower, with some MB a template beside the budget");
   visit.integer("limits.segments", s.limits.segments, 1, 65535, "objects in one image");
   visit.integer("limits.hypotheses", s.limits.hypotheses, 16, 1'000'000, "of one search");
   visit.integer("limits.object_points", s.limits.object_points, 100, 1'000'000, "sampled from one object");

@@ -36,6 +36,7 @@ ModelStore::ModelStore(Arena& arena, const Limits& limits) : limits_(limits) {
   const auto slots = static_cast<std::size_t>(limits.templates);
   models_ = arena.take<PartModel>("templates: models", slots);
   slots_ = arena.take<Slot>("templates: models", slots);
+  trees_.resize(slots);
   for (std::size_t i = 0; i < slots; ++i) {
     const Slot slot{
         arena.take<OrientedPoint>("templates: surface points", static_cast<std::size_t>(limits.template_points)),
@@ -82,8 +83,24 @@ Result<void> check_templates(std::span<const PartTemplate> templates, const Limi
 Result<void> ModelStore::load(std::span<const PartTemplate> templates, const GripperShape& gripper) {
   if (auto fits = check_templates(templates, limits_); !fits) return fits;
   count_ = templates.size();
-  for (std::size_t i = 0; i < count_; ++i) fill(templates[i], gripper, slots_[i], models_[i]);
+  for (std::size_t i = 0; i < count_; ++i) {
+    fill(templates[i], gripper, slots_[i], models_[i]);
+    index_surface(slots_[i], trees_[i], models_[i]);
+  }
   return {};
+}
+
+void ModelStore::index_surface(Slot& slot, std::unique_ptr<ClosestPointTree>& tree, PartModel& model) const {
+  tree.reset();
+  if (slot.grid.empty()) {
+    tree = std::make_unique<ClosestPointTree>(model.surface);
+  } else {
+    const GridShape shape =
+        plan_closest_point_grid(model.box_min_mm, model.box_max_mm, kMarginShare * model.diagonal_mm,
+                                0.5 * static_cast<double>(model.spacing_mm), limits_.grid_cells);
+    model.grid.build(shape, model.surface, slot.grid);
+  }
+  model.tree = tree.get();
 }
 
 void ModelStore::fill(const PartTemplate& part, const GripperShape& gripper, Slot& slot, PartModel& model) const {
@@ -100,10 +117,6 @@ void ModelStore::fill(const PartTemplate& part, const GripperShape& gripper, Slo
   model.box_max_mm = part.box_max_mm;
   model.centre_mm = 0.5 * (part.box_min_mm + part.box_max_mm);
   model.diagonal_mm = (part.box_max_mm - part.box_min_mm).norm();
-  const GridShape shape = plan_closest_point_grid(part.box_min_mm, part.box_max_mm, kMarginShare * model.diagonal_mm,
-                                                  0.5 * part.spacing_mm, limits_.grid_cells);
-  model.grid.build(shape, model.surface, slot.grid);
-  model.tree = nullptr;
   search::compute_views(model);
   model.primitive_count = static_cast<int>(std::min<std::size_t>(part.primitives.size(), PartModel::kMaxPrimitives));
   std::copy_n(part.primitives.begin(), model.primitive_count, model.primitives.begin());

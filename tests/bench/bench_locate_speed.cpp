@@ -150,6 +150,7 @@ int main(int argc, char** argv) {
   using namespace beltpick;
   const bench::Options options = bench::parse(argc, argv);
   Limits limits;
+  if (options.tree) limits.grid_cells = 0;
   limits.templates = std::max<int>(limits.templates, static_cast<int>(options.templates.size()));
   Arena measuring;
   {

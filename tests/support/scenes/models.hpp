@@ -44,7 +44,8 @@ struct LoadedPart {
   PartTemplate part;
   InArena<pipeline::ModelStore> store;
 
-  explicit LoadedPart(const Shape& shape) : part(template_of(shape)), store(test_limits()) {
+  explicit LoadedPart(const Shape& shape, const Limits& limits = test_limits())
+      : part(template_of(shape)), store(limits) {
     if (!store.made.load({&part, 1})) throw std::runtime_error("test part does not load");
   }
   [[nodiscard]] const PartModel& model() const { return store.made.models().front(); }

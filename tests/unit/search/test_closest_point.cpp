@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "base/random.hpp"
+#include "contract/find_nearest.hpp"
 #include "support/scenes/models.hpp"
 
 using namespace beltpick;
@@ -63,5 +64,42 @@ TEST_CASE("a planned grid stays within its cells and covers the box") {
   for (int axis = 0; axis < 3; ++axis) {
     const double reach = shape.origin_mm[axis] + shape.cell_mm * static_cast<float>(shape.cells[axis]);
     CHECK(reach >= Vec3(50, 30, 55)[axis] + 6.0 - 1e-3);
+  }
+}
+
+TEST_CASE("a store without grid cells looks up in the tree, and finds what the grid finds") {
+  Limits limits = test_limits();
+  limits.grid_cells = 0;
+  const LoadedPart by_tree(bracket(), limits);
+  const LoadedPart by_grid(bracket());
+  REQUIRE(by_tree.model().tree != nullptr);
+  REQUIRE(by_grid.model().tree == nullptr);
+  const float diagonal_mm = 1.7321F * by_grid.model().grid.shape().cell_mm;
+  Random random(6);
+  for (int i = 0; i < 500; ++i) {
+    const Vec3f at = anywhere(random, by_tree.model(), 5.0);
+    const float exact_mm = (by_tree.model().nearest(at).point_mm - at).norm();
+    const float grid_mm = (by_grid.model().nearest(at).point_mm - at).norm();
+    CHECK(exact_mm == Approx(nearest_by_all(by_tree.model(), at)).margin(1e-4));
+    CHECK(grid_mm <= exact_mm + diagonal_mm);
+  }
+}
+
+TEST_CASE("many places at once are looked up as one at a time, with either index") {
+  Limits limits = test_limits();
+  for (const int cells : {limits.grid_cells, 0}) {
+    limits.grid_cells = cells;
+    const LoadedPart loaded(bracket(), limits);
+    Random random(7);
+    PointBlock at, nearest;
+    const int count = 41;
+    for (int i = 0; i < count; ++i) at.put({anywhere(random, loaded.model(), 40.0), Vec3f::UnitZ()}, i);
+    at.fill_up(count);
+    find_nearest(loaded.model(), at, count, nearest);
+    for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) {
+      const OrientedPoint& one = loaded.model().nearest({at.x[i], at.y[i], at.z[i]});
+      CHECK(Vec3f(nearest.x[i], nearest.y[i], nearest.z[i]) == one.point_mm);
+      CHECK(Vec3f(nearest.nx[i], nearest.ny[i], nearest.nz[i]) == one.normal);
+    }
   }
 }
