@@ -115,12 +115,18 @@ Result<std::filesystem::path> Recorder::make_folder() {
 Result<void> Recorder::write_all(const ModelHub& hub, std::span<const Arena::Share> budget,
                                  const std::filesystem::path& folder) {
   const bool failed = failure_ != ResultCode::kOk;
-  if (keeps_frames() && (failed || settings_.record_frames == "all")) {
+  if (keeps_frames() && (failed || settings_.record_frames == "all" ||
+                         (settings_.record_frames == "withheld" && withholds_something()))) {
     if (const auto frames = write_frames(hub, folder); !frames) return frames;
   }
   if (failed) return contract_io::write_file(folder / "failure.txt", std::string(result_code_name(failure_)) + "\n");
   if (const auto result = write_result(hub, budget, folder); !result) return result;
   return settings_.record_pictures ? write_pictures(hub, folder) : Result<void>{};
+}
+
+bool Recorder::withholds_something() const {
+  return withheld_count_ > 0 || std::any_of(parts_.begin(), parts_.begin() + static_cast<std::ptrdiff_t>(part_count_),
+                                            [](const LocatedPart& part) { return part.grasp_index < 0; });
 }
 
 Result<void> Recorder::write_frames(const ModelHub& hub, const std::filesystem::path& folder) const {

@@ -43,6 +43,7 @@ class Recorder {
  private:
   enum class State : std::uint8_t { kFree, kFilling, kWriting };
 
+  [[nodiscard]] bool withholds_something() const;
   [[nodiscard]] bool keeps_frames() const { return !frames_.empty(); }
   [[nodiscard]] ImageView<const std::uint8_t> frame(int index) const;
   Result<std::filesystem::path> make_folder();

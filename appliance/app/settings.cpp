@@ -145,7 +145,8 @@ void visit_settings(Settings& s, Visitor& visit) {
   visit.table("record", "What is kept of each capture, to look at or to replay");
   visit.text("record.folder", s.record_folder, "where to; empty: nothing is kept");
   visit.flag("record.pictures", s.record_pictures, "range image, objects in colour, overlay of the found parts");
-  visit.choice("record.frames", s.record_frames, {{"none", "failed", "all"}}, "of which captures the camera's frames");
+  visit.choice("record.frames", s.record_frames, {{"none", "failed", "withheld", "all"}},
+               "of which captures the camera's frames; withheld: failed ones, and those with an object not offered");
   visit.integer("record.keep", s.record_keep, 1, 1'000'000, "captures; the oldest of this run go first");
   visit.text("record.summary", s.summary, "file for a summary of the run as JSON; empty: none");
 }

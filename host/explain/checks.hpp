@@ -14,7 +14,7 @@ struct Check {
   double value;
   double limit;
   bool at_least;     // else at most
-  const char* unit;  // "%" (values are shares), "mm" or ""
+  const char* unit;  // "%" (values are shares), "mm", "mm2" or ""
 
   [[nodiscard]] bool passed() const { return at_least ? value >= limit : value <= limit; }
 };

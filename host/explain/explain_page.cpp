@@ -9,6 +9,10 @@ namespace {
 
 using html::formatted;
 
+// Searches shown in full beside the decisive one: an object that is nothing known is searched some twenty times, and
+// explain.json has them all.
+constexpr int kOthersShown = 2;
+
 html::Tone tone_of(Fate fate) {
   return fate == Fate::kLocated ? html::Tone::kGood : fate == Fate::kWithheld ? html::Tone::kBad : html::Tone::kWarning;
 }
@@ -71,10 +75,10 @@ std::string chapter_html(const Chapter& chapter, const Explained& explained, Alb
   html += formatted("<h3>The decisive one: %s</h3>\n", route_name(chapter.decisive->route)) +
           search_section(*chapter.decisive, chapter.judged, frame, explained, prefix, album);
   for (const int part : chapter.parts) html += grasp_section(part, explained);
-  int number = 0;
+  int number = 0, shown = 0;
   for (const SearchStory* search : chapter.searches) {
     ++number;
-    if (search == chapter.decisive) continue;
+    if (search == chapter.decisive || ++shown > kOthersShown) continue;
     html += formatted("<details><summary>Search %d: %s</summary>\n", number, route_name(search->route)) +
             search_section(*search, nullptr, frame, explained, prefix + formatted("_search_%d", number), album) +
             "</details>\n";

@@ -121,7 +121,8 @@ QMap direction_map(std::string about, const Vec3& sight, std::span<const Hypothe
                         {}});
   fill(map, tried, [&](const Hypothesis& hypothesis) {
     const Vec3 seen_along = hypothesis.T_camera_part.rotation.transpose() * sight;
-    return Place{0, deg_from_rad(std::atan2(seen_along.y(), seen_along.x())),
+    const bool pole = std::abs(seen_along.z()) > 0.9999;  // which has no azimuth
+    return Place{0, pole ? 0.0 : deg_from_rad(std::atan2(seen_along.y(), seen_along.x())),
                  deg_from_rad(std::asin(std::clamp(seen_along.z(), -1.0, 1.0)))};
   });
   return map;

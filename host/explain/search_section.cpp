@@ -126,7 +126,7 @@ std::string legend() {
 
 html::Cell value_cell(double value, const Check& check) {
   return *check.unit == '%'   ? html::text(formatted("%.1f %%", 100.0 * value))
-         : *check.unit == 'm' ? html::text(formatted("%.3f mm", value))
+         : *check.unit == 'm' ? html::text(formatted("%.3f %s", value, check.unit))
                               : html::number(value, 0);
 }
 

@@ -44,11 +44,12 @@ struct Bench {
       recorder.keep_frame(i, {pixels.data(), 48, 64});
     }
   }
-  void locate(std::uint16_t number) {
+  void locate(std::uint16_t number, int grasp = 0) {
     std::vector<Vec3f> points(64 * 48, Vec3f(0, 0, 700));
     std::vector<std::uint8_t> texture(64 * 48, 100);
     std::vector<std::uint16_t> labels(64 * 48, 1);
-    const LocatedPart part{};
+    LocatedPart part{};
+    part.grasp_index = grasp;
     RangeImage range;
     range.point_mm = {points.data(), 48, 64};
     range.texture = {texture.data(), 48, 64};
@@ -106,6 +107,19 @@ TEST_CASE("of a failed capture the frames and the reason are kept", "[recorder]"
   bench.recorder.serve(bench.hub, bench.arena.shares());
   REQUIRE(bench.folders().size() == 2);
   CHECK_FALSE(fs::exists(bench.folders().back() / "capture.json"));
+}
+
+TEST_CASE("frames of captures with an object that is not offered can be kept", "[recorder]") {
+  Bench bench("withheld");
+  bench.capture();
+  bench.locate(11, 0);
+  bench.recorder.serve(bench.hub, bench.arena.shares());
+  bench.capture();
+  bench.locate(12, -1);
+  bench.recorder.serve(bench.hub, bench.arena.shares());
+  REQUIRE(bench.folders().size() == 2);
+  CHECK_FALSE(fs::exists(bench.folders().front() / "capture.json"));
+  CHECK(fs::exists(bench.folders().back() / "capture.json"));
 }
 
 TEST_CASE("the oldest records of a run make room", "[recorder]") {
