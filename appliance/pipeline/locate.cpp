@@ -39,6 +39,14 @@ double fragment_reach_mm(std::span<const PartModel> models) {
   return kFragmentReachShare * largest;
 }
 
+// What of the image each of two poses explains.
+result::Rivalry contend(const Candidate& a, const Candidate& b, const result::Scene& scene,
+                        std::span<const PartModel> models) {
+  return result::compare({models[static_cast<std::size_t>(a.model_index)], a.alignment.T_camera_part},
+                         {models[static_cast<std::size_t>(b.model_index)], b.alignment.T_camera_part}, scene,
+                         {0, scene.labels.rows - 1, 0, scene.labels.cols - 1}, 4);
+}
+
 }  // namespace
 
 Locator::Locator(Arena& arena, const Limits& limits, int workers)
@@ -123,7 +131,10 @@ void Locator::settle(const result::Scene& scene, std::span<const PartModel> mode
     Attempt& attempt = attempts_[strongest];
     attempt.verified = false;
     attempt.reason = failure(ResultCode::kDuplicatePose, "the pose overlaps one that is better supported").error();
-    if (taken(scene, models, attempt.best)) continue;
+    if (const auto held = holder(scene, models, attempt.best)) {
+      contest(scene, models, *held, attempt);
+      continue;
+    }
     if (accepted_count_ == accepted_.size()) {
       attempt.reason =
           failure(ResultCode::kLimitExceeded, "expected at most %zu parts; raise limits.parts", accepted_.size())
@@ -149,23 +160,33 @@ void Locator::claim_ambiguous(const result::Scene& scene, std::span<const PartMo
                               std::span<const Object> objects) {
   for (const Object& object : objects) {
     const Attempt* attempt = book_.last_word(object);
-    if (attempt == nullptr || !attempt->ambiguous() || taken(scene, models, attempt->best)) continue;
+    if (attempt == nullptr || !attempt->ambiguous() || holder(scene, models, attempt->best)) continue;
     const PartModel& model = models[static_cast<std::size_t>(attempt->best.model_index)];
     drawing_.draw(model, attempt->best.alignment.T_camera_part, scene.lens);
     book_.explain(scene, model, attempt->best.alignment.T_camera_part, drawing_.region());
   }
 }
 
-bool Locator::taken(const result::Scene& scene, std::span<const PartModel> models, const Candidate& candidate) const {
-  const PartModel& model = models[static_cast<std::size_t>(candidate.model_index)];
-  for (const Accepted& other : accepted_.first(accepted_count_)) {
-    const PartModel& other_model = models[static_cast<std::size_t>(other.candidate.model_index)];
-    const auto rivalry = result::compare({model, candidate.alignment.T_camera_part},
-                                         {other_model, other.candidate.alignment.T_camera_part}, scene,
-                                         {0, scene.labels.rows - 1, 0, scene.labels.cols - 1}, 4);
-    if (rivalry.same_object()) return true;
+// Which accepted pose claims the object that this one claims.
+std::optional<std::size_t> Locator::holder(const result::Scene& scene, std::span<const PartModel> models,
+                                           const Candidate& candidate) const {
+  for (std::size_t i = 0; i < accepted_count_; ++i) {
+    if (contend(candidate, accepted_[i].candidate, scene, models).same_object()) return i;
   }
-  return false;
+  return {};
+}
+
+// Two fragments of one object, each with a pose that was believed, and not the same: unless the picture prefers the one
+// that was accepted, neither is. The surface stays taken.
+void Locator::contest(const result::Scene& scene, std::span<const PartModel> models, std::size_t held,
+                      Attempt& attempt) {
+  const Candidate& first = accepted_[held].candidate;
+  if (same_place(first, attempt.best, models[static_cast<std::size_t>(first.model_index)])) return;
+  if (result::prevails(contend(first, attempt.best, scene, models))) return;
+  attempt.reason = failure(ResultCode::kPoseAmbiguous,
+                           "pieces of one object fit different poses as well; wait for a better view of the part")
+                       .error();
+  accepted_[held] = accepted_[--accepted_count_];
 }
 
 void Locator::rank(const result::Scene& scene, std::span<const PartModel> models) {

@@ -62,8 +62,9 @@ class Locator {
   void add_time(std::uint16_t segment, double ms);
   void settle(const result::Scene& scene, std::span<const PartModel> models, std::span<const Object> objects);
   void claim_ambiguous(const result::Scene& scene, std::span<const PartModel> models, std::span<const Object> objects);
-  [[nodiscard]] bool taken(const result::Scene& scene, std::span<const PartModel> models,
-                           const Candidate& candidate) const;
+  [[nodiscard]] std::optional<std::size_t> holder(const result::Scene& scene, std::span<const PartModel> models,
+                                                  const Candidate& candidate) const;
+  void contest(const result::Scene& scene, std::span<const PartModel> models, std::size_t held, Attempt& attempt);
   void rank(const result::Scene& scene, std::span<const PartModel> models);
   void choose_grasp(const result::Scene& scene, std::span<const PartModel> models, std::size_t index);
   void mark_contacts(std::span<const PartModel> models);

@@ -77,8 +77,8 @@ class Lookup {
     return compare(range_.point_mm(row, col), point.point_mm, point.normal, tolerance_);
   }
 
-  // Whether the point lies on some other surface of the part after all, one that looks towards the camera: the belt seen
-  // through a hole that should not be there lies on the underside.
+  // Whether the point lies on some other surface of the part after all, one that looks towards the camera: the belt
+  // seen through a hole that should not be there lies on the underside.
   [[nodiscard]] bool on_part(const Vec3f& measured_mm) const {
     const Vec3f at = (T_part_camera_ * measured_mm.cast<double>()).cast<float>();
     const OrientedPoint& nearest = model_.nearest(at);
@@ -106,7 +106,7 @@ Evidence weigh(const Drawing& drawing, const PartModel& model, const PartPose& T
   const Lookup lookup(scene, model, T_camera_part, tolerance, std::max(1, drawing.factor() / 2));
   Evidence evidence;
   double total = 0.0, inside = 0.0, matched = 0.0, violated = 0.0, occluded = 0.0, contradicted = 0.0, shadowed = 0.0,
-         unexplained = 0.0, square_mm2 = 0.0;
+         unexplained = 0.0, missing = 0.0, square_mm2 = 0.0;
   std::optional<Vec3f> light_mm;
   if (scene.light_mm) light_mm = scene.light_mm->cast<float>();
   for (const VisiblePoint& point : drawing.visible()) {
@@ -138,6 +138,7 @@ Evidence weigh(const Drawing& drawing, const PartModel& model, const PartPose& T
         shadowed += point.area;
         break;
       case Finding::kMissing:
+        missing += point.area;
         break;
     }
   }
@@ -150,6 +151,7 @@ Evidence weigh(const Drawing& drawing, const PartModel& model, const PartPose& T
   evidence.occluded = share(occluded, inside);
   evidence.shadowed = share(shadowed, inside);
   evidence.unexplained = share(unexplained, inside);
+  if (scene.light_mm) evidence.gaps = share(missing, total);
   evidence.continued = continued_outline(drawing, model, T_camera_part, scene, tolerance_mm);
   if (scene.belt) evidence.sunk = sunk_share(model, T_camera_part, *scene.belt, tolerance_mm);
   evidence.rms_mm = std::sqrt(share(square_mm2, matched));

@@ -24,10 +24,12 @@ struct Evidence {
   double unexplained =
       0.0;  // of what lies inside the image, what the object itself hides: it has more to it than the part
   double continued = 0.0;  // of the outline, where the object goes on as if it were larger than the part
-  double sunk = 0.0;       // of the part's whole surface, what would lie under the belt
-  double rms_mm = 0.0;     // of the measured points to the surface, where they support the pose
-  int points = 0;          // in sight and inside the image
-  Blemishes blemishes;     // looked for only when a pose is finished
+  double gaps =
+      0.0;  // of what the camera could see of the part, what is missing for no known reason; 0 without a light
+  double sunk = 0.0;    // of the part's whole surface, what would lie under the belt
+  double rms_mm = 0.0;  // of the measured points to the surface, where they support the pose
+  int points = 0;       // in sight and inside the image
+  Blemishes blemishes;  // looked for only when a pose is finished
 };
 
 // The object that the pose is to explain: pixels of `owner` that hold one of `labels`. Empty: not told.

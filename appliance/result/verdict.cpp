@@ -7,6 +7,9 @@
 namespace beltpick::result {
 namespace {
 
+// A gap that no shadow explains weighs more against a pose than as much measured surface speaks for it: highlights
+// leave gaps on a part that is otherwise measured well, not on one of which little is measured.
+constexpr double kGapWeight = 1.5;
 // What lacks support is told to be out of view where less of it than this is inside the image.
 constexpr double kMostlyInView = 0.6;
 
@@ -58,6 +61,13 @@ Result<void> judge(const Evidence& evidence, double tolerance_mm, const Requirem
                    "%.0f %% of what should be visible was measured there, expected at least %.0f %%; hidden, shiny, or "
                    "a foreign object",
                    100.0 * evidence.coverage, 100.0 * required.coverage);
+  }
+  if (evidence.support >= required.support && evidence.support - kGapWeight * evidence.gaps < required.support) {
+    return failure(
+        ResultCode::kCoverageTooLow,
+        "%.0f %% of the part was measured, but %.0f %% is missing that the light should have reached; shiny, "
+        "or a foreign object",
+        100.0 * evidence.support, 100.0 * evidence.gaps);
   }
   if (evidence.support < required.support && evidence.in_view < kMostlyInView) {
     return failure(

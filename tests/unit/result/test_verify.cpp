@@ -86,6 +86,23 @@ TEST_CASE("poses flipped, turned or shifted are not believed") {
   CHECK_FALSE(bench.verdict(shifted));
 }
 
+TEST_CASE("the less of a part is measured, the fewer gaps are forgiven") {
+  const auto verdict = [](double support, double gaps) {
+    result::Evidence evidence;
+    evidence.points = 1000;
+    evidence.in_view = 1.0;
+    evidence.support = support;
+    evidence.gaps = gaps;
+    evidence.coverage = support / (support + gaps);
+    return result::judge(evidence, 0.5, {});
+  };
+  CHECK(verdict(0.75, 0.25));
+  CHECK(verdict(0.35, 0.02));
+  const auto gappy = verdict(0.37, 0.11);
+  REQUIRE_FALSE(gappy);
+  CHECK(gappy.error().code == ResultCode::kCoverageTooLow);
+}
+
 TEST_CASE("a mirrored part is not taken for the part") {
   const Shape original = bracket();
   const LoadedPart loaded(original);
