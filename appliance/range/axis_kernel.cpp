@@ -5,6 +5,7 @@
 
 #include "base/camera_noise.hpp"
 #include "base/kernel.hpp"
+#include "range/stream_copy.hpp"
 
 namespace beltpick::range {
 namespace {
@@ -122,6 +123,24 @@ BELTPICK_INLINE void depths(const AxisModel& model, const AxisInput& input, int 
   }
 }
 
+// Points and sigmas of a block of pixels, with flying ones already at depth 0. Returns how many points.
+BELTPICK_INLINE int points_of(const float* __restrict ray_u, const float* __restrict ray_v,
+                              const float* __restrict depth_mm, const float* __restrict sigma_in_mm, int count,
+                              float* __restrict point_mm, float* __restrict sigma_mm) {
+  int points = 0;
+  for (int i = 0; i < count; ++i) {
+    const float z = depth_mm[i];
+    const float u = z > 0.0F ? ray_u[i] : 0.0F;  // a pixel without a ray has NaN
+    const float v = z > 0.0F ? ray_v[i] : 0.0F;
+    point_mm[3 * i] = u * z;
+    point_mm[3 * i + 1] = v * z;
+    point_mm[3 * i + 2] = z;
+    sigma_mm[i] = z > 0.0F ? sigma_in_mm[i] : 0.0F;
+    points += z > 0.0F ? 1 : 0;
+  }
+  return points;
+}
+
 }  // namespace
 
 AxisModel axis_model(const Calibration& calibration, Axis axis) {
@@ -189,16 +208,20 @@ RowCounts point_row(const float* __restrict ray_u, const float* __restrict ray_v
   if (flying > 0) {
     for (int i = 0; i < count; ++i) depth_mm[i] = flies[i] == 0 ? depth_mm[i] : 0.0F;
   }
+  // In blocks that leave the processor time to empty its write buffers beside the arithmetic.
+  constexpr int kBlock = 64;
+  alignas(64) std::array<float, 3 * kBlock> points_mm;
+  alignas(64) std::array<float, kBlock> sigmas_mm;
   int points = 0;
-  for (int i = 0; i < count; ++i) {
-    const float z = depth_mm[i];
-    const float u = z > 0.0F ? ray_u[i] : 0.0F;  // a pixel without a ray has NaN
-    const float v = z > 0.0F ? ray_v[i] : 0.0F;
-    point_mm[3 * i] = u * z;
-    point_mm[3 * i + 1] = v * z;
-    point_mm[3 * i + 2] = z;
-    sigma_mm[i] = z > 0.0F ? sigma_in_mm[i] : 0.0F;
-    points += z > 0.0F ? 1 : 0;
+  for (int first = 0; first < count; first += kBlock) {
+    const int block = std::min(kBlock, count - first);
+    const auto in_block = [&](int pixels) {
+      return points_of(ray_u + first, ray_v + first, depth_mm + first, sigma_in_mm + first, pixels, points_mm.data(),
+                       sigmas_mm.data());
+    };
+    points += block == kBlock ? in_block(kBlock) : in_block(block);
+    stream_copy(points_mm.data(), 3 * static_cast<std::size_t>(block), point_mm + 3 * first);
+    stream_copy(sigmas_mm.data(), static_cast<std::size_t>(block), sigma_mm + first);
   }
   if (points == coded) return {points, flying, coded};
   for (int i = 0; i < count; ++i) {

@@ -60,7 +60,7 @@ struct RowCounts {
 };
 
 // point_mm = depth ray, and sigma_mm the sigma given; both 0 where the depth is 0 or `flies` is set: there the depth
-// becomes 0, and a valid state kOrderUncertain or kEdge.
+// becomes 0, and a valid state kOrderUncertain or kEdge. Both are written past the caches: stream_end() after the last.
 RowCounts point_row(const float* ray_u, const float* ray_v, float* depth_mm, const float* sigma_in_mm,
                     const std::uint8_t* flies, PixelState* state, int count, float* point_mm, float* sigma_mm);
 

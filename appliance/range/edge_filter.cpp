@@ -1,6 +1,7 @@
 #include "range/edge_filter.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
 #include "base/kernel.hpp"
@@ -34,14 +35,16 @@ struct LineVerdict {
   return {on1 + on2, between | uncovered};
 }
 
-// Three rows with a margin, and the extremes of each column of the three.
+// Three rows with a margin.
 struct Window {
   const float *za, *zh, *zb;  // depth above, here, below
   const float *ma, *mh, *mb;  // modulation
   const float* step_mm;
 };
 
-[[gnu::always_inline]] inline void judge_pixels(const Window& w, int first, int count, std::uint8_t* __restrict flies) {
+BELTPICK_KERNEL
+void judge_pixels(const Window& window, int first, int count, std::uint8_t* __restrict flies) {
+  const Window w = window;
   for (int c = 0; c < count; ++c) {
     const int i = first + c + 1;
     const float z = w.zh[i];
@@ -59,39 +62,35 @@ struct Window {
   }
 }
 
-// Whether any of `count` pixels may fly: all nine depths around a pixel are measured and differ by less than a step
-// where none can.
-[[gnu::always_inline]] inline bool rough(const Window& w, const float* lowest, const float* highest, int first,
-                                         int count) {
-  int any = 0;
-  for (int c = 0; c < count; ++c) {
-    const int i = first + c + 1;
-    const float low = std::min(std::min(lowest[i - 1], lowest[i + 1]), lowest[i]);
-    const float high = std::max(std::max(highest[i - 1], highest[i + 1]), highest[i]);
-    const int smooth = (low > 0.0F) & (high - low <= w.step_mm[i]);
-    any |= 1 - smooth;
+// Of a block of columns: whether along the row, or to the row above, a depth steps by more than kSmoothShare of what
+// the steepest surface climbs in a pixel. From a pixel to any of its neighbours lead one step down and one across, so
+// where all are smaller, all nine depths differ by less than a step, and the pixel does not fly.
+constexpr float kSmoothShare = 0.24F;  // a quarter, less what the depths themselves differ by
+constexpr std::uint8_t kAlong = 1, kDown = 2;
+
+[[gnu::always_inline]] inline std::uint8_t roughness(const float* z, const float* above, int count, float smooth) {
+  // Sign bits: what is left of the most a depth may step is negative where it steps more.
+  std::int32_t along = 0;
+  std::int32_t down = 0;
+  for (int i = 0; i < count; ++i) {
+    const float most_mm = smooth * z[i];
+    along |= std::bit_cast<std::int32_t>(most_mm - std::fabs(z[i] - z[i - 1]));
+    down |= std::bit_cast<std::int32_t>(most_mm - std::fabs(z[i] - above[i]));
   }
-  return any != 0;
+  return static_cast<std::uint8_t>((along < 0 ? kAlong : 0) | (down < 0 ? kDown : 0));
 }
 
-// Columns 1 .. count of rows with a margin.
+// The blocks of columns 1 .. count of a row with a margin, and of the one above it.
 BELTPICK_KERNEL
-void judge_row(const Window& window, int count, float* __restrict lowest, float* __restrict highest,
-               std::uint8_t* __restrict flies) {
-  const Window w = window;
-  for (int i = 0; i < count + 2; ++i) {
-    lowest[i] = std::min(std::min(w.za[i], w.zb[i]), w.zh[i]);
-    highest[i] = std::max(std::max(w.za[i], w.zb[i]), w.zh[i]);
+void find_rough(float* depth_mm, const float* above_mm, int count, float smooth, std::uint8_t* rough) {
+  const float* z = depth_mm + 1;
+  const float* above = above_mm + 1;
+  depth_mm[0] = z[0];  // the step from beyond the border is none
+  for (int first = 0; first < count; first += kBlock) {
+    *rough++ = first + kBlock <= count ? roughness(z + first, above + first, kBlock, smooth)
+                                       : roughness(z + first, above + first, count - first, smooth);
   }
-  int first = 0;
-  for (; first + kBlock <= count; first += kBlock) {
-    if (rough(w, lowest, highest, first, kBlock)) {
-      judge_pixels(w, first, kBlock, flies);
-    } else {
-      for (int c = 0; c < kBlock; ++c) flies[first + c] = 0;
-    }
-  }
-  judge_pixels(w, first, count - first, flies);
+  depth_mm[0] = 0.0F;
 }
 
 // Columns 1 .. count of rows with a margin.
@@ -114,9 +113,8 @@ EdgeFilter::EdgeFilter(Arena& arena, int cols) {
     row.depth_mm = arena.take<float>("range scratch", width);
     row.modulation = arena.take<float>("range scratch", width);
     row.step_mm = arena.take<float>("range scratch", width);
+    row.rough = arena.take<std::uint8_t>("range scratch", width / kBlock + 2);
   }
-  lowest_mm_ = arena.take<float>("range scratch", width);
-  highest_mm_ = arena.take<float>("range scratch", width);
   flies_ = arena.take<std::uint8_t>("range scratch", width);
 }
 
@@ -131,9 +129,21 @@ std::span<const std::uint8_t> EdgeFilter::judge(int row) {
   const Row& above = row_at(row - 1);
   const Row& here = row_at(row);
   const Row& below = row_at(row + 1);
-  judge_row({above.depth_mm.data(), here.depth_mm.data(), below.depth_mm.data(), above.modulation.data(),
-             here.modulation.data(), below.modulation.data(), here.step_mm.data()},
-            cols_, lowest_mm_.data(), highest_mm_.data(), flies_.data());
+  const Window window{above.depth_mm.data(),  here.depth_mm.data(),    below.depth_mm.data(), above.modulation.data(),
+                      here.modulation.data(), below.modulation.data(), here.step_mm.data()};
+  std::fill_n(flies_.begin(), cols_, std::uint8_t{0});
+  const int blocks = (cols_ + kBlock - 1) / kBlock;
+  for (int b = 0; b < blocks; ++b) {
+    const auto at = static_cast<std::size_t>(b);
+    // The step from a block's last pixel to its neighbour is the next block's.
+    const auto along = [&](const Row& r) { return (r.rough[at] | (b + 1 < blocks ? r.rough[at + 1] : 0)) & kAlong; };
+    const int down = (here.rough[at] | below.rough[at]) & kDown;
+    if ((along(above) | along(here) | along(below) | down) == 0) continue;
+    judge_pixels(window, b * kBlock, std::min(kBlock, cols_ - b * kBlock), flies_.data());
+  }
+  // Beyond the image's border there is nothing, which only the pixels there see.
+  judge_pixels(window, 0, 1, flies_.data());
+  judge_pixels(window, cols_ - 1, 1, flies_.data());
   return flies_.first(static_cast<std::size_t>(cols_));
 }
 
@@ -141,6 +151,10 @@ std::span<const std::uint8_t> EdgeFilter::push(const float* depth_mm, const floa
   const Row& row = row_at(pushed_);
   load_row(depth_mm, sigma_mm, modulation, cols_, steepest_, row.depth_mm.data(), row.modulation.data(),
            row.step_mm.data());
+  find_rough(row.depth_mm.data(), row_at(pushed_ - 1).depth_mm.data(), cols_, kSmoothShare * steepest_,
+             row.rough.data());
+  // Beyond the margin there is no step.
+  if (pushed_ == 0) std::fill(row.rough.begin(), row.rough.end(), kAlong);
   ++pushed_;
   return pushed_ < 2 ? std::span<const std::uint8_t>{} : judge(pushed_ - 2);
 }
@@ -148,6 +162,7 @@ std::span<const std::uint8_t> EdgeFilter::push(const float* depth_mm, const floa
 std::span<const std::uint8_t> EdgeFilter::last() {
   const Row& below = row_at(pushed_);
   std::fill(below.depth_mm.begin(), below.depth_mm.end(), 0.0F);
+  std::fill(below.rough.begin(), below.rough.end(), kAlong);
   return judge(pushed_ - 1);
 }
 

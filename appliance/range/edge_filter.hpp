@@ -40,13 +40,13 @@ class EdgeFilter {
   // the next on one surface.
   struct Row {
     std::span<float> depth_mm, modulation, step_mm;
+    std::span<std::uint8_t> rough;  // by block of columns: what the depths do along the row and to the row above
   };
 
   Row& row_at(int row) { return rows_[static_cast<std::size_t>(row + 3) % 3]; }
   std::span<const std::uint8_t> judge(int row);
 
   std::array<Row, 3> rows_;
-  std::span<float> lowest_mm_, highest_mm_;  // of the three rows, by column
   std::span<std::uint8_t> flies_;
   int cols_ = 0;
   float steepest_ = 0.0F;  // step over depth of the steepest surface

@@ -117,22 +117,13 @@ void Triangulator::measure_row(const CodeImage& band, int band_row, int row) {
 }
 
 void Triangulator::write_points(int row, std::span<const std::uint8_t> flies) {
-  constexpr int kBlock = 256;  // small enough for the first-level cache
-  alignas(64) std::array<float, 3 * kBlock> points;
-  alignas(64) std::array<float, kBlock> sigmas;
   const DepthRow& depths = depths_[static_cast<std::size_t>(row) % 2];
-  for (int first = 0; first < cols_; first += kBlock) {
-    const int count = std::min(kBlock, cols_ - first);
-    const auto c = static_cast<std::size_t>(first);
-    const std::size_t at = static_cast<std::size_t>(row) * static_cast<std::size_t>(cols_) + c;
-    const RowCounts counted = point_row(&ray_u_[at], &ray_v_[at], &depths.depth_mm[c], &depths.sigma_mm[c], &flies[c],
-                                        state_.row(row) + first, count, points.data(), sigmas.data());
-    stream_copy(points.data(), 3 * static_cast<std::size_t>(count), point_mm_[at].data());
-    stream_copy(sigmas.data(), static_cast<std::size_t>(count), &sigma_mm_[at]);
-    counts_.points += counted.points;
-    counts_.flying += counted.flying;
-    counts_.outside_projector += counted.coded - counted.points - counted.flying;
-  }
+  const std::size_t at = static_cast<std::size_t>(row) * static_cast<std::size_t>(cols_);
+  const RowCounts counted = point_row(&ray_u_[at], &ray_v_[at], depths.depth_mm.data(), depths.sigma_mm.data(),
+                                      flies.data(), state_.row(row), cols_, point_mm_[at].data(), &sigma_mm_[at]);
+  counts_.points += counted.points;
+  counts_.flying += counted.flying;
+  counts_.outside_projector += counted.coded - counted.points - counted.flying;
 }
 
 Result<RangeImage> Triangulator::begin(const CodeImage& code) {
