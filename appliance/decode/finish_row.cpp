@@ -3,8 +3,7 @@
 #include "base/units.hpp"
 #include "decode/exposure_merge.hpp"
 #include "decode/finish_kernels.hpp"
-#include "decode/gray_cells.hpp"
-#include "decode/gray_rows.hpp"
+#include "decode/gather_rows.hpp"
 #include "decode/gray_subpixel.hpp"
 #include "decode/order_search.hpp"
 #include "decode/ripple.hpp"
@@ -30,61 +29,6 @@ constexpr float kExposureSlackPx = 0.25F;
 // A bright and a dark Gray stripe lie this many standard deviations from their threshold: one in 100,000 is misread.
 constexpr float kLeastGraySigmas = 4.4F;
 constexpr float kGrayNoiseGain = 1.2247F;  // one frame against the mean of two: sqrt(3 / 2)
-
-// Brings the Gray bits of a row together: those resolved on arrival, and those that waited.
-template <class Pixel>
-void gather_gray(const RowContext& context, const GrayCode& code, RowScratch& scratch, int row) {
-  std::array<const std::uint8_t*, kMaxGrayBits> bit_rows{};
-  const std::size_t row_bytes = bit_row_bytes(context.cols);
-  auto* level = reinterpret_cast<Pixel*>(scratch.level.data());
-  auto* reach = reinterpret_cast<Pixel*>(scratch.reach.data());
-  const Threshold* made = nullptr;
-  for (std::size_t b = 0; b < code.bits.size(); ++b) {
-    const GrayBit& bit = code.bits[b];
-    if (bit.raw_plane == kNone) {
-      bit_rows[b] = context.store.row<const std::uint8_t>(bit.plane, row);
-      continue;
-    }
-    if (made == nullptr || !(*made == bit.threshold)) {
-      threshold_row(context, code, bit.threshold, row, level, reach);
-      made = &bit.threshold;
-    }
-    std::uint8_t* bits = scratch.bits.data() + b * row_bytes;
-    resolve_levels_row(context.store.row<const Pixel>(bit.raw_plane, row), level, reach, context.cols,
-                       bit.frame == kNone, bits);
-    bit_rows[b] = bits;
-  }
-  cells_row(bit_rows, static_cast<int>(code.bits.size()), context.cols, scratch.cell.data(), scratch.weak.data());
-}
-
-// How bright a row is on average and how far white stands above it.
-template <class Pixel>
-void gather_levels(const RowContext& context, const Reference& reference, RowScratch& scratch, int row) {
-  const float scale = reference.scale * context.to_level8();
-  float* mean8 = scratch.mean8.data();
-  float* half8 = scratch.half8.data();
-  if (reference.mean_channel != kNone) {
-    const PhaseChannel& fringes = context.plan->channels[static_cast<std::size_t>(reference.mean_channel)];
-    levels_row(context.store.row<const MeanOf<Pixel>>(fringes.mean_plane, row), context.cols,
-               context.to_level8() / static_cast<float>(fringes.frames), mean8, half8);
-    return;
-  }
-  levels_row(context.store.row<const Pixel>(reference.white_plane, row),
-             context.store.row<const Pixel>(reference.black_plane, row), context.cols, scale, mean8, half8);
-}
-
-template <class Pixel>
-void gather_fringe(const RowContext& context, int channel, std::span<float> turn, std::span<float> amplitude8,
-                   int row) {
-  using Sum = std::conditional_t<sizeof(Pixel) == 1, std::int16_t, float>;
-  const PhaseChannel& fringes = context.plan->channels[static_cast<std::size_t>(channel)];
-  const double levels_per_count = sizeof(Pixel) == 1 ? 1.0 / fringes.counts_per_level : 1.0;
-  fringe_row(context.store.row<const Sum>(fringes.cosine_plane, row),
-             context.store.row<const Sum>(fringes.sine_plane, row), context.cols,
-             static_cast<float>(levels_per_count) * context.to_level8(), turn.data(), amplitude8.data());
-  const Ripple& ripple = context.ripples[static_cast<std::size_t>(channel)];
-  if (ripple.orders > 0) correct_ripple_row(ripple, row, context.rows, context.cols, turn.data());
-}
 
 CellRule cell_rule(const GrayCode& code, const AxisPlan& axis, double period_px) {
   const bool settled = code.weak_fraction > 0.0F;  // by settle_borders_row instead
@@ -136,12 +80,13 @@ void decode_axis(const RowContext& context, const ExposurePlan& exposure, const 
     }
     return;
   }
+  RowScratch own = scratch;  // whose finest amplitudes go straight to the output
+  own.amplitude8[0] = {out.amplitude8, static_cast<std::size_t>(cols)};
   for (std::size_t c = 0; c < axis.channels.size(); ++c) {
-    gather_fringe<Pixel>(context, axis.channels[c], scratch.turn[c], scratch.amplitude8[c], row);
+    gather_fringe<Pixel>(context, axis.channels[c], own.turn[c], own.amplitude8[c], row);
   }
-  order_fringes(context, axis, code, scratch, out.x_px);
+  order_fringes(context, axis, code, own, out.x_px);
   const PhaseChannel& finest = context.plan->channels[static_cast<std::size_t>(axis.channels[0])];
-  std::copy_n(scratch.amplitude8[0].data(), cols, out.amplitude8);
   state_row(out.amplitude8, scratch.mean8.data(), scratch.half8.data(), scratch.order_safe.data(),
             context.store.row<const std::uint8_t>(context.plan->flags_plane, row), cols,
             phase_rule(exposure, finest, usual_contrast), out.state, out.x_px);
@@ -161,17 +106,28 @@ ExposedRow exposed_row(const FoldPlan& plan, const AxisPlan& axis, const RowScra
   return exposed;
 }
 
+// Whether the amplitude that finish_row() puts out is that of the fringes whose mean is the reference.
+bool modulation_is_of(const FoldPlan& plan, int channel) {
+  const auto& axes = plan.exposures.front().axes;
+  const AxisPlan& first = axes[axes[0].method == Method::kNotCoded ? 1 : 0];
+  return plan.exposures.size() == 1 && !first.channels.empty() && first.channels.front() == channel;
+}
+
 template <class Pixel>
 void make_texture(const RowContext& context, const ExposurePlan& exposure, RowScratch& scratch, int row,
-                  std::uint8_t* texture) {
+                  const RowOutput& out) {
   if (exposure.reference.white_plane != kNone) {
     texture_row(context.store.row<const Pixel>(exposure.reference.white_plane, row), context.cols,
-                exposure.reference.scale * context.to_level8(), texture);
+                exposure.reference.scale * context.to_level8(), out.texture);
     return;
   }
-  gather_levels<Pixel>(context, exposure.reference, scratch, row);
-  gather_fringe<Pixel>(context, exposure.reference.mean_channel, scratch.turn[0], scratch.amplitude8[0], row);
-  texture_row(scratch.mean8.data(), scratch.amplitude8[0].data(), context.cols, texture);
+  const float* amplitude8 = out.modulation;
+  if (!modulation_is_of(*context.plan, exposure.reference.mean_channel)) {
+    gather_levels<Pixel>(context, exposure.reference, scratch, row);
+    gather_fringe<Pixel>(context, exposure.reference.mean_channel, scratch.turn[0], scratch.amplitude8[0], row);
+    amplitude8 = scratch.amplitude8[0].data();
+  }
+  texture_row(scratch.mean8.data(), amplitude8, context.cols, out.texture);
 }
 
 }  // namespace
@@ -199,37 +155,6 @@ RowScratch::RowScratch(Arena& arena, int cols) {
 }
 
 template <class Pixel>
-float measure_contrast(const RowContext& context, RowScratch& scratch, const ExposurePlan& exposure,
-                       const AxisPlan& axis) {
-  constexpr int kRows = 24;
-  constexpr int kBins = 128;
-  constexpr float kLeastAmplitude8 = 10.0F;
-  constexpr int kLeastPixels = 200;
-  if (axis.method != Method::kGrayPhase) return 0.0F;
-  std::array<int, kBins> counts{};
-  int all = 0;
-  for (int row = 0; row < context.rows; row += std::max(1, context.rows / kRows)) {
-    gather_levels<Pixel>(context, exposure.reference, scratch, row);
-    gather_fringe<Pixel>(context, axis.channels[0], scratch.turn[0], scratch.amplitude8[0], row);
-    const auto* flags = context.store.row<const std::uint8_t>(context.plan->flags_plane, row);
-    for (std::size_t i = 0; i < static_cast<std::size_t>(context.cols); ++i) {
-      if (scratch.amplitude8[0][i] < kLeastAmplitude8 || (flags[i] & exposure.saturation_bit) != 0) continue;
-      const float contrast = scratch.amplitude8[0][i] / std::max(scratch.half8[i], 1.0F);
-      ++counts[static_cast<std::size_t>(std::min(contrast * 0.5F, 0.999F) * kBins)];
-      ++all;
-    }
-  }
-  if (all < kLeastPixels) return 0.0F;
-  int below = 0;
-  std::size_t bin = 0;
-  while (2 * (below += counts[bin]) < all) ++bin;
-  return 2.0F * (static_cast<float>(bin) + 0.5F) / kBins;
-}
-
-template float measure_contrast<std::uint8_t>(const RowContext&, RowScratch&, const ExposurePlan&, const AxisPlan&);
-template float measure_contrast<std::uint16_t>(const RowContext&, RowScratch&, const ExposurePlan&, const AxisPlan&);
-
-template <class Pixel>
 void finish_row(const RowContext& context, RowScratch& scratch, int row, const RowOutput& out) {
   const auto& exposures = context.plan->exposures;
   const bool both = out.x_px[0] != nullptr && out.x_px[1] != nullptr;
@@ -251,7 +176,7 @@ void finish_row(const RowContext& context, RowScratch& scratch, int row, const R
                          {target(a), scratch.weight[a].data()});
     }
   }
-  make_texture<Pixel>(context, exposures[exposures.size() / 2], scratch, row, out.texture);
+  make_texture<Pixel>(context, exposures[exposures.size() / 2], scratch, row, out);
   for (std::size_t a = 0; a < 2 && exposures.size() > 1; ++a) {
     if (out.x_px[a] != nullptr) finish_merge_row({target(a), scratch.weight[a].data()}, out.texture, context.cols);
   }

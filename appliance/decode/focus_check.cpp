@@ -2,7 +2,7 @@
 #include <cmath>
 
 #include "contract/result_codes.hpp"
-#include "decode/frame_check.hpp"
+#include "decode/fringe_sums.hpp"
 
 namespace beltpick::decode {
 namespace {
@@ -17,28 +17,21 @@ struct Sharpness {
 };
 
 Sharpness find_sharpness(const ProbeLevels& levels, int channel) {
-  const FoldPlan& plan = *levels.plan;
   Sharpness sharpness;
-  for (int i = 0; i < levels.probes->count(); i += levels.stride()) {
-    const auto at = static_cast<std::size_t>(i);
-    if (levels.lit[at] == 0 || levels.high8[at] >= 254.0F) continue;
-    float cosine = 0.0F;
-    float sine = 0.0F;
-    float mean = 0.0F;
-    for (int f = 0; f < levels.frames(); ++f) {
-      const Accumulate& work = plan.frames[static_cast<std::size_t>(f)].accumulate;
-      if (work.channel != channel) continue;
-      const float level8 = levels.level8(f, i);
-      cosine += work.cosine_weight * level8;
-      sine += work.sine_weight * level8;
-      mean += level8 / static_cast<float>(plan.channels[static_cast<std::size_t>(channel)].frames);
+  for (int first = 0; first < levels.witnesses->count(); first += Witnesses::kBlock) {
+    const FringeBlock fringe = fringe_block(levels, channel, first);
+    for (int k = 0; k < fringe.count; ++k) {
+      const auto n = static_cast<std::size_t>(k);
+      const float low8 = levels.witnesses->low8()[first + k];
+      const float high8 = levels.witnesses->high8()[first + k];
+      const float half = 0.5F * (high8 - low8);
+      const float squared = fringe.cosine[n] * fringe.cosine[n] + fringe.sine[n] * fringe.sine[n];
+      const bool even = std::fabs(fringe.mean[n] - low8 - half) < kNearMiddle * 2.0F * half;
+      const int counts = high8 < 254.0F ? 1 : 0;
+      sharpness.probes += counts;
+      sharpness.washed_out += even && squared < kWashedOut * half * kWashedOut * half ? counts : 0;
+      sharpness.soft += even && squared < kSoft * half * kSoft * half ? counts : 0;
     }
-    const float contrast = levels.high8[at] - levels.low8[at];
-    const float amplitude = std::hypot(cosine, sine);
-    const bool even = std::fabs(mean - levels.low8[at] - 0.5F * contrast) < kNearMiddle * contrast;
-    ++sharpness.probes;
-    sharpness.washed_out += even && amplitude < kWashedOut * 0.5F * contrast ? 1 : 0;
-    sharpness.soft += even && amplitude < kSoft * 0.5F * contrast ? 1 : 0;
   }
   return sharpness;
 }

@@ -54,10 +54,14 @@ FrameCheck::FrameCheck(Arena& arena, int rows, int cols, int frames) : probes_(a
   const auto count = static_cast<std::size_t>(FrameProbes::kRowLines * cols + FrameProbes::kColumnLines * rows);
   low8_ = arena.take<float>("frame probes", count);
   high8_ = arena.take<float>("frame probes", count);
-  for (std::span<float>* row : {&motion_.early8, &motion_.texture8, &motion_.slope8, &motion_.late8}) {
+  for (std::span<float>* row :
+       {&motion_.early8, &motion_.texture8, &motion_.slope8, &motion_.late8, &motion_.late_texture8}) {
     *row = arena.take<float>("frame probes", count);
   }
-  motion_.lit = arena.take<std::uint32_t>("frame probes", count);
+  motion_.bright = arena.take<std::uint8_t>("frame probes", count);
+  motion_.well_lit = arena.take<std::uint8_t>("frame probes", count);
+  witnesses_ = Witnesses(arena, static_cast<int>(count), frames);
+  words_ = {arena.take<std::uint16_t>("frame probes", count), arena.take<std::uint8_t>("frame probes", count)};
   lit_ = arena.take<std::uint8_t>("frame probes", count);
   steps_ = arena.take<WordStep>("frame probes", kMaxSteps);
 }
@@ -96,9 +100,12 @@ Result<void> FrameCheck::judge_exposure(const FoldPlan& plan, std::size_t exposu
                      .low8 = low8_,
                      .high8 = high8_,
                      .lit = lit_,
+                     .witnesses = &witnesses_,
+                     .words = words_,
                      .findings = &findings_};
   find_extremes(levels);
   if (levels.lit_count < kLeastLit) return {};
+  witnesses_.gather(probes_, levels.frames(), levels.to_level8, lit_, low8_, high8_);
   for (const AxisPlan& axis : plan.exposures[exposure].axes) {
     if (axis.channels.empty()) continue;
     if (auto checked = check_focus(levels, axis.channels.front()); !checked) return checked;
@@ -122,6 +129,7 @@ Result<void> FrameCheck::judge_axis(const ProbeLevels& levels, std::size_t expos
   const GrayCode& code = plan.grays[static_cast<std::size_t>(planned.gray)];
   if (!all_of_exposure(levels, code)) return {};
   if (auto checked = check_twins(levels, code); !checked) return checked;
+  read_words(levels, code);
   if (auto checked = check_gray(levels, axis, code, steps_); !checked) return checked;
   if (planned.method != Method::kGrayPhase) return {};
   return check_agreement(levels, axis, code, planned.channels.front());

@@ -13,8 +13,15 @@
 #include "decode/findings.hpp"
 #include "decode/frame_probes.hpp"
 #include "decode/plan.hpp"
+#include "decode/witnesses.hpp"
 
 namespace beltpick::decode {
+
+// What a Gray code tells at each probe: the word, and whether all of its bits are beyond doubt.
+struct GrayWords {
+  std::span<std::uint16_t> word;
+  std::span<std::uint8_t> sure;
+};
 
 // The probes of one exposure, in levels scaled to 0..255.
 struct ProbeLevels {
@@ -26,37 +33,27 @@ struct ProbeLevels {
   std::span<float> low8, high8;  // extremes of each probe over the frames of this exposure
   std::span<std::uint8_t> lit;   // 1 where the contrast stands well out of the noise
   int lit_count = 0;
-  Findings* findings = nullptr;  // what does not keep the capture from being used
+  const Witnesses* witnesses = nullptr;  // what sums over the image are taken of
+  GrayWords words;                       // of the Gray code that is looked at
+  Findings* findings = nullptr;          // what does not keep the capture from being used
 
   [[nodiscard]] float level8(int frame, int i) const {
     return to_level8 * static_cast<float>(probes->levels(frame)[static_cast<std::size_t>(i)]);
-  }
-  [[nodiscard]] float contrast8(int i) const {
-    return high8[static_cast<std::size_t>(i)] - low8[static_cast<std::size_t>(i)];
   }
   [[nodiscard]] const FrameSpec& spec(int frame) const {
     return plan->sequence.frames[static_cast<std::size_t>(frame)];
   }
   [[nodiscard]] bool of_exposure(int frame) const { return spec(frame).exposure_us == exposure_us; }
   [[nodiscard]] int frames() const { return static_cast<int>(plan->frames.size()); }
-  // Sums over the image take every so many-th probe: some thousands tell as much as all.
-  [[nodiscard]] int stride() const {
-    constexpr int kEnough = 2500;
-    return probes->count() < 2 * kEnough ? 1 : probes->count() / kEnough;
-  }
 };
 
-// Share of the lit probes at which `holds`, a function of the probe's number that may be asked of any.
+// Share of the witnesses at which `holds`, a function of the witness's number.
 template <class Holds>
 float lit_share(const ProbeLevels& levels, const Holds& holds) {
+  const int count = levels.witnesses->count();
   int held = 0;
-  int lit = 0;
-  for (int i = 0; i < levels.probes->count(); i += levels.stride()) {
-    const int is_lit = levels.lit[static_cast<std::size_t>(i)];
-    lit += is_lit;
-    held += is_lit & static_cast<int>(holds(i));  // no branch: none could be foretold
-  }
-  return static_cast<float>(held) / static_cast<float>(std::max(lit, 1));
+  for (int w = 0; w < count; ++w) held += holds(w) ? 1 : 0;
+  return static_cast<float>(held) / static_cast<float>(std::max(count, 1));
 }
 
 // Black and doubled frames, white and black exchanged. Errors: kFrameBlack, kFrameDuplicated, kSequenceOrderWrong.
@@ -70,10 +67,10 @@ struct FringeSums;  // decode/fringe_sums.hpp
 Result<void> check_fringe(const ProbeLevels& levels, int channel, const FringeSums& sums);
 // Ambient and projected light are the same in every phase frame. Findings: kLightFlickers, kExposureBeats.
 void check_light(const ProbeLevels& levels, const FringeSums& sums);
-// Room for the levels of a texture, by probe, and for the numbers of probes.
+// Room for the levels of a texture, by probe.
 struct MotionScratch {
-  std::span<float> early8, texture8, slope8, late8;
-  std::span<std::uint32_t> lit;
+  std::span<float> early8, texture8, slope8, late8, late_texture8;
+  std::span<std::uint8_t> bright, well_lit;
 };
 // The texture stays where it is. Error, or finding where it moved little: kBeltMovedDuringCapture.
 Result<void> check_motion(const ProbeLevels& levels, const MotionScratch& scratch);
@@ -90,8 +87,8 @@ Result<void> check_gray(const ProbeLevels& levels, Axis axis, const GrayCode& co
 // Phase and Gray code tell of the same places. Errors: kSequenceOrderWrong, kFrameBlack.
 Result<void> check_agreement(const ProbeLevels& levels, Axis axis, const GrayCode& code, int channel);
 
-// The Gray word at probe i; false where a bit lies near its threshold.
-bool gray_word(const ProbeLevels& levels, const GrayCode& code, int i, std::uint16_t& word);
+// Reads the words of a Gray code at all probes into levels.words.
+void read_words(const ProbeLevels& levels, const GrayCode& code);
 // Share of the lit probes at which a frame is dark (within 15 % of the contrast).
 float dark_share(const ProbeLevels& levels, int frame);
 
@@ -124,6 +121,8 @@ class FrameCheck {
   std::span<float> low8_, high8_;
   MotionScratch motion_;
   std::span<std::uint8_t> lit_;
+  Witnesses witnesses_;
+  GrayWords words_;
   std::span<WordStep> steps_;
 };
 

@@ -23,8 +23,12 @@ class FrameProbes {
   void begin(int rows, int cols) {
     rows_ = rows;
     cols_ = cols;
-    for (int line = 0; line < kRowLines; ++line) line_row_[line] = (2 * line + 1) * rows / (2 * kRowLines);
-    for (int line = 0; line < kColumnLines; ++line) line_col_[line] = (2 * line + 1) * cols / (2 * kColumnLines);
+    for (int line = 0; line < kRowLines; ++line) {
+      row_of_line_[static_cast<std::size_t>(line)] = (2 * line + 1) * rows / (2 * kRowLines);
+    }
+    for (int line = 0; line < kColumnLines; ++line) {
+      col_of_line_[static_cast<std::size_t>(line)] = (2 * line + 1) * cols / (2 * kColumnLines);
+    }
   }
 
   // Keeps what of the lines of frame `index` crosses image row `row`: to be called for every row, while the row lies in
@@ -33,10 +37,12 @@ class FrameProbes {
   void sample_row(int index, int row, const Pixel* pixels) {
     std::uint16_t* out = &levels_[static_cast<std::size_t>(index) * capacity_];
     for (int line = 0; line < kRowLines; ++line) {
-      if (row == line_row_[line]) std::copy_n(pixels, cols_, out + line * cols_);
+      if (row == row_of_line_[static_cast<std::size_t>(line)]) std::copy_n(pixels, cols_, out + line * cols_);
     }
     std::uint16_t* down = out + kRowLines * cols_ + row;
-    for (int line = 0; line < kColumnLines; ++line) down[line * rows_] = pixels[line_col_[line]];
+    for (int line = 0; line < kColumnLines; ++line) {
+      down[line * rows_] = pixels[col_of_line_[static_cast<std::size_t>(line)]];
+    }
   }
 
   [[nodiscard]] int frames() const { return max_frames_; }
@@ -65,8 +71,8 @@ class FrameProbes {
   int max_frames_ = 0;
   std::span<std::uint16_t> levels_;
   int rows_ = 0, cols_ = 0;
-  int line_row_[kRowLines] = {};  // where the lines lie
-  int line_col_[kColumnLines] = {};
+  std::array<int, kRowLines> row_of_line_{};
+  std::array<int, kColumnLines> col_of_line_{};
 };
 
 }  // namespace beltpick::decode

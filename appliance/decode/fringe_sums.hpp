@@ -31,6 +31,13 @@ struct FringeSums {
 // many or of other exposures.
 FringeSums sum_fringe(const ProbeLevels& levels, int channel);
 
+// The fringes of a channel at a block of witnesses.
+struct FringeBlock {
+  int count = 0;  // of the block's witnesses; what is beyond is of no fringe
+  std::array<float, Witnesses::kBlock> cosine{}, sine{}, mean{};
+};
+FringeBlock fringe_block(const ProbeLevels& levels, int channel, int first_witness);
+
 // Of the lines of probes, the most periods of a channel along one.
 double periods_in_view(const ProbeLevels& levels, int channel);
 

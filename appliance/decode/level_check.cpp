@@ -20,10 +20,9 @@ constexpr double kSameEnergy = 3.0;
 constexpr double kTellingEnergy = 4.0;
 
 float bright_share(const ProbeLevels& levels, int frame) {
-  return lit_share(levels, [&](int i) {
-    const float below8 = levels.high8[static_cast<std::size_t>(i)] - levels.level8(frame, i);
-    return below8 < kDarkShareOfContrast * levels.contrast8(i);
-  });
+  const Witnesses& witnesses = *levels.witnesses;
+  return lit_share(levels, [level8 = witnesses.level8(frame), low8 = witnesses.low8(), high8 = witnesses.high8()](
+                               int w) { return high8[w] - level8[w] < kDarkShareOfContrast * (high8[w] - low8[w]); });
 }
 
 // Whether the view holds only a part of this phase frame's period; some frame of it must be lit.
@@ -108,25 +107,29 @@ double expected_difference(const ProbeLevels& levels, int a, int b) {
   return references && first.kind != second.kind ? 4.0 : 0.0;
 }
 
+// Sums over the witnesses, of squared levels.
+struct Likeness {
+  double difference = 0.0, noise = 0.0, contrast = 0.0;
+};
+
+Likeness compare(const Witnesses& witnesses, int a, int b) {
+  const float* before8 = witnesses.level8(a);
+  const float* after8 = witnesses.level8(b);
+  const float* low8 = witnesses.low8();
+  const float* high8 = witnesses.high8();
+  const auto squared = [](float level) { return level * level; };
+  const auto sum = [&](auto value) { return sum_in_lanes(witnesses.count(), value); };
+  return {sum([=](int w) { return squared(after8[w] - before8[w]); }),
+          sum([=](int w) { return 2.0F * kCameraNoise.variance(after8[w]) + squared(kFlickerShare * after8[w]); }),
+          sum([=](int w) { return squared(0.5F * (high8[w] - low8[w])); })};
+}
+
 Result<void> check_doubled(const ProbeLevels& levels) {
   for (int f = 1; f < levels.frames(); ++f) {
     if (!levels.of_exposure(f) || !levels.of_exposure(f - 1)) continue;
-    double difference = 0.0;
-    double noise = 0.0;
-    double contrast = 0.0;
-    for (int i = 0; i < levels.probes->count(); i += levels.stride()) {
-      const auto at = static_cast<std::size_t>(i);
-      if (levels.lit[at] == 0) continue;
-      const float level8 = levels.level8(f, i);
-      const float step = level8 - levels.level8(f - 1, i);
-      const float flicker = kFlickerShare * level8;
-      const float half = 0.5F * levels.contrast8(i);
-      difference += step * step;
-      noise += 2.0F * kCameraNoise.variance(level8) + flicker * flicker;
-      contrast += half * half;
-    }
-    if (difference > kSameEnergy * noise) continue;
-    if (expected_difference(levels, f - 1, f) * contrast < kTellingEnergy * kSameEnergy * noise) continue;
+    const Likeness like = compare(*levels.witnesses, f - 1, f);
+    if (like.difference > kSameEnergy * like.noise) continue;
+    if (expected_difference(levels, f - 1, f) * like.contrast < kTellingEnergy * kSameEnergy * like.noise) continue;
     return failure(ResultCode::kFrameDuplicated,
                    "%s shows the same pattern as %s; the projector did not advance, or a file was doubled",
                    name(levels, f), name(levels, f - 1));
@@ -137,10 +140,9 @@ Result<void> check_doubled(const ProbeLevels& levels) {
 }  // namespace
 
 float dark_share(const ProbeLevels& levels, int frame) {
-  return lit_share(levels, [&](int i) {
-    const float above8 = levels.level8(frame, i) - levels.low8[static_cast<std::size_t>(i)];
-    return above8 < kDarkShareOfContrast * levels.contrast8(i);
-  });
+  const Witnesses& witnesses = *levels.witnesses;
+  return lit_share(levels, [level8 = witnesses.level8(frame), low8 = witnesses.low8(), high8 = witnesses.high8()](
+                               int w) { return level8[w] - low8[w] < kDarkShareOfContrast * (high8[w] - low8[w]); });
 }
 
 Result<void> check_levels(const ProbeLevels& levels) {

@@ -2,9 +2,11 @@
 // lines. A later line is the first one moved by s: late = gain (early - s early'), to first order; least squares gives
 // s.
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "base/camera_noise.hpp"
+#include "base/kernel.hpp"
 #include "contract/result_codes.hpp"
 #include "decode/frame_check.hpp"
 
@@ -18,9 +20,8 @@ constexpr double kFar_px = 4.0;
 constexpr double kBeyondLinear_px = 0.25;  // a larger shift is looked for step by step first
 constexpr int kSearched_px = 16;
 constexpr int kLeastProbes = 300;
-constexpr std::size_t kSearchProbes = 500;  // that look for a shift by whole pixels
-constexpr float kBrightShare = 0.55F;       // of the contrast: under a bright stripe, though the texture moved
-constexpr int kBorder = 2;                  // probes that bright ones must keep off their stripe's border
+constexpr float kBrightShare = 0.55F;  // of the contrast: under a bright stripe, though the texture moved
+constexpr int kBorder = 2;             // probes that bright ones must keep off their stripe's border
 constexpr int kReach = 5;  // probes either side whose mean is taken off: what varies slower is light, not texture
 constexpr double kTextureOverNoise = 1.5;
 constexpr double kOfOneTexture = 0.5;  // of the gain that the levels tell: less of the early texture is not it
@@ -38,7 +39,7 @@ struct Early {
 struct ShiftSums {
   double ee = 0.0, eg = 0.0, gg = 0.0, le = 0.0, lg = 0.0, ll = 0.0;
   double early = 0.0, late = 0.0, noise = 0.0;
-  int probes = 0;
+  double probes = 0.0;
 };
 
 struct Shift {
@@ -65,86 +66,150 @@ bool stands(const ShiftSums& sums) {
   return unlike < expected + kSignificant * std::sqrt(2.0 * expected);
 }
 
-bool bright(const ProbeLevels& levels, int frame, int i) {
-  const auto at = static_cast<std::size_t>(i);
-  const float contrast = levels.high8[at] - levels.low8[at];
-  return levels.lit[at] != 0 && levels.level8(frame, i) > levels.low8[at] + kBrightShare * contrast;
-}
-
-// A frame to be compared with the early ones: what its well lit probes show.
+// A frame to be compared with the early ones.
 struct Late {
-  int frame = kNone;
-  std::span<const float> texture8;     // by probe
-  std::span<const std::uint32_t> lit;  // probes that lie well within a bright stripe, along one axis of the image
+  std::span<const float> level8, texture8;  // by probe
+  std::span<const std::uint8_t> well_lit;   // 1 well within a bright stripe
 };
 
-// The probes of `frame` that lie well within a bright stripe, along rows or columns of the image.
-std::span<const std::uint32_t> find_lit(const ProbeLevels& levels, int frame, bool along_rows,
-                                        std::span<std::uint32_t> out) {
-  constexpr int kHalf = kBorder + kReach;
+// The probes along rows of the image, or along its columns.
+struct LineSet {
+  int first = 0, end = 0, length = 0;
+};
+LineSet lines(const FrameProbes& probes, bool along_rows) {
+  return along_rows ? LineSet{0, probes.in_row_lines(), probes.line_length(0)}
+                    : LineSet{probes.in_row_lines(), probes.count(), probes.line_length(probes.in_row_lines())};
+}
+
+BELTPICK_KERNEL
+void find_bright(const float* __restrict level8, const float* __restrict low8, const float* __restrict high8,
+                 const std::uint8_t* __restrict lit, int count, std::uint8_t* __restrict bright) {
+  for (int i = 0; i < count; ++i) {
+    const bool above = (level8[i] > low8[i] + kBrightShare * (high8[i] - low8[i])) & (high8[i] < 254.0F);
+    bright[i] = above ? lit[i] : std::uint8_t{0};
+  }
+}
+
+// 1 where all of `reach` probes before and after are bright as well, along a line of `length` probes.
+BELTPICK_KERNEL
+void keep_inner(const std::uint8_t* __restrict bright, int length, int reach, std::uint8_t* __restrict inner) {
+  std::fill_n(inner, length, std::uint8_t{0});
+  const int count = length - 2 * reach;
+  for (int i = 0; i < count; ++i) inner[reach + i] = bright[i];
+  for (int k = 1; k <= 2 * reach; ++k) {
+    for (int i = 0; i < count; ++i) inner[reach + i] = static_cast<std::uint8_t>(inner[reach + i] & bright[i + k]);
+  }
+}
+
+// The probes of a frame that lie well within a bright stripe.
+void find_well_lit(const ProbeLevels& levels, const MotionScratch& scratch) {
   const FrameProbes& probes = *levels.probes;
-  const int end = along_rows ? probes.in_row_lines() : probes.count();
-  std::size_t count = 0;
-  for (int first = along_rows ? 0 : probes.in_row_lines(); first < end; first += probes.line_length(first)) {
-    const int line_end = first + probes.line_length(first);
-    int run = 0;  // bright probes up to here
-    for (int i = first; i < line_end; ++i) {
-      run = bright(levels, frame, i) && levels.high8[static_cast<std::size_t>(i)] < 254.0F ? run + 1 : 0;
-      if (run > 2 * kHalf) out[count++] = static_cast<std::uint32_t>(i - kHalf);
-    }
-  }
-  return out.first(count);
-}
-
-// What value(i) has over the mean of its neighbours, for all probes at least `margin` from the ends of their line.
-template <class Value>
-void local_contrast(const FrameProbes& probes, int margin, Value value, std::span<float> out) {
-  constexpr float kShare = 1.0F / (2 * kReach + 1);
+  find_bright(scratch.late8.data(), levels.low8.data(), levels.high8.data(), levels.lit.data(), probes.count(),
+              scratch.bright.data());
   for (int first = 0; first < probes.count(); first += probes.line_length(first)) {
-    const int begin = first + margin;
-    const int end = first + probes.line_length(first) - margin;
-    float sum = 0.0F;
-    for (int k = begin - kReach; k < begin + kReach && begin < end; ++k) sum += value(k);
-    for (int i = begin; i < end; ++i) {
-      sum += value(i + kReach);
-      out[static_cast<std::size_t>(i)] = value(i) - sum * kShare;
-      sum -= value(i - kReach);
-    }
+    keep_inner(&scratch.bright[static_cast<std::size_t>(first)], probes.line_length(first), kBorder + kReach,
+               &scratch.well_lit[static_cast<std::size_t>(first)]);
   }
 }
 
-// Least squares about a shift by whole pixels, over every `every`th probe.
-ShiftSums sum_about(const ProbeLevels& levels, const Early& early, const Late& late, int whole_px, std::size_t every) {
-  ShiftSums sums;
+// What a level has over the mean of its neighbours, for all probes of a line at least kReach from its ends.
+BELTPICK_KERNEL
+void local_contrast(const float* __restrict level8, int length, float* __restrict out) {
+  constexpr float kShare = 1.0F / (2 * kReach + 1);
+  for (int i = kReach; i < length - kReach; ++i) {
+    float sum = level8[i];
+#pragma GCC unroll 8  // before vectorisation, which takes no inner loops
+    for (int k = 1; k <= kReach; ++k) sum += level8[i - k] + level8[i + k];
+    out[i] = level8[i] - sum * kShare;
+  }
+}
+
+// How fast the level grows along the line, over the mean of its neighbours; `slope8` has room for the line.
+void local_slope(const float* level8, int length, float* work, float* out) {
+  work[0] = work[length - 1] = 0.0F;
+  for (int i = 1; i + 1 < length; ++i) work[i] = 0.5F * (level8[i + 1] - level8[i - 1]);
+  local_contrast(work, length, out);
+}
+
+BELTPICK_KERNEL
+void take_levels(const std::uint16_t* __restrict levels, int count, float to_level8, float* __restrict level8) {
+  for (int i = 0; i < count; ++i) level8[i] = to_level8 * static_cast<float>(levels[i]);
+}
+
+// Sixteen probes of a line at a time.
+struct LaneSums {
+  static constexpr int kLanes = 16;
+  using Lanes = std::array<float, kLanes>;
+  Lanes ee{}, eg{}, gg{}, le{}, lg{}, ll{}, early{}, late{}, noise{}, probes{};
+};
+
+// The probes [begin, end) of a line, with the early ones `whole_px` before them.
+BELTPICK_KERNEL
+void add_line(const Early& early, const Late& late, int begin, int end, int whole_px, LaneSums& sums) {
+  const float* __restrict texture8 = early.texture8.data() - whole_px;
+  const float* __restrict slope8 = early.slope8.data() - whole_px;
+  const float* __restrict early8 = early.level8.data() - whole_px;
+  const float* __restrict late_texture8 = late.texture8.data();
+  const float* __restrict late8 = late.level8.data();
+  const std::uint8_t* __restrict well_lit = late.well_lit.data();
+  LaneSums s = sums;
+  for (int first = begin; first < end; first += LaneSums::kLanes) {
+    const int count = std::min(LaneSums::kLanes, end - first);
+    LaneSums::Lanes counts{};
+    for (int lane = 0; lane < count; ++lane) {
+      counts[static_cast<std::size_t>(lane)] = static_cast<float>(well_lit[first + lane]);
+    }
+    for (int lane = 0; lane < LaneSums::kLanes; ++lane) {
+      const auto k = static_cast<std::size_t>(lane);
+      const int i = std::min(first + lane, end - 1);
+      const float before = texture8[i];
+      const float steep = slope8[i];
+      const float after = late_texture8[i];
+      const float weight = counts[k] / kCameraNoise.variance(late8[i]);
+      s.ee[k] += before * before * weight;
+      s.eg[k] += before * steep * weight;
+      s.gg[k] += steep * steep * weight;
+      s.le[k] += after * before * weight;
+      s.lg[k] += after * steep * weight;
+      s.ll[k] += after * after * weight;
+      s.early[k] += counts[k] * early8[i];
+      s.late[k] += counts[k] * late8[i];
+      s.noise[k] += early.noise_share * kCameraNoise.variance(early8[i]) * weight;
+      s.probes[k] += counts[k];
+    }
+  }
+  sums = s;
+}
+
+// Least squares about a shift by whole pixels.
+ShiftSums sum_about(const FrameProbes& probes, const Early& early, const Late& late, bool along_rows, int whole_px) {
+  const LineSet set = lines(probes, along_rows);
   const int margin = std::abs(whole_px) + kReach + 1;
-  for (std::size_t n = 0; n < late.lit.size(); n += every) {
-    const auto i = static_cast<int>(late.lit[n]);
-    if (levels.probes->to_line_end(i) < margin) continue;
-    const auto at = static_cast<std::size_t>(i - whole_px);
-    const auto before = static_cast<double>(early.texture8[at]);
-    const auto steep = static_cast<double>(early.slope8[at]);
-    const auto after = static_cast<double>(late.texture8[late.lit[n]]);
-    const float late_level8 = levels.level8(late.frame, i);
-    const double weight = 1.0 / static_cast<double>(kCameraNoise.variance(late_level8));
-    sums.ee += before * before * weight;
-    sums.eg += before * steep * weight;
-    sums.gg += steep * steep * weight;
-    sums.le += after * before * weight;
-    sums.lg += after * steep * weight;
-    sums.ll += after * after * weight;
-    sums.early += static_cast<double>(early.level8[at]);
-    sums.late += static_cast<double>(late_level8);
-    sums.noise += static_cast<double>(early.noise_share * kCameraNoise.variance(early.level8[at])) * weight;
-    ++sums.probes;
+  ShiftSums sums;
+  for (int first = set.first; first < set.end; first += set.length) {
+    LaneSums lanes;
+    add_line(early, late, first + margin, first + set.length - margin, whole_px, lanes);
+    const auto add = [](double& sum, const LaneSums::Lanes& values) {
+      for (const float value : values) sum += static_cast<double>(value);
+    };
+    add(sums.ee, lanes.ee);
+    add(sums.eg, lanes.eg);
+    add(sums.gg, lanes.gg);
+    add(sums.le, lanes.le);
+    add(sums.lg, lanes.lg);
+    add(sums.ll, lanes.ll);
+    add(sums.early, lanes.early);
+    add(sums.late, lanes.late);
+    add(sums.noise, lanes.noise);
+    add(sums.probes, lanes.probes);
   }
   return sums;
 }
 
 // The shift by whole pixels at which the textures are most alike; 0 unless another one is it clearly.
-int find_whole_shift(const ProbeLevels& levels, const Early& early, const Late& late) {
-  const std::size_t every = std::max<std::size_t>(1, late.lit.size() / kSearchProbes);
+int find_whole_shift(const FrameProbes& probes, const Early& early, const Late& late, bool along_rows) {
   const auto alike_at = [&](int whole_px) {
-    const ShiftSums sums = sum_about(levels, early, late, whole_px, every);
+    const ShiftSums sums = sum_about(probes, early, late, along_rows, whole_px);
     return sums.le / std::sqrt(std::max(sums.ee, 1e-9));
   };
   const double alike_here = alike_at(0);
@@ -161,13 +226,13 @@ int find_whole_shift(const ProbeLevels& levels, const Early& early, const Late& 
 }
 
 // The shift of a frame against the early texture; 0 where none is certain.
-double find_shift(const ProbeLevels& levels, const Early& early, const Late& late) {
-  const ShiftSums here = sum_about(levels, early, late, 0, 1);
+double find_shift(const FrameProbes& probes, const Early& early, const Late& late, bool along_rows) {
+  const ShiftSums here = sum_about(probes, early, late, along_rows, 0);
   if (here.probes < kLeastProbes || here.ee < kTextureOverNoise * here.noise || stands(here)) return 0.0;
   Shift shift = solve(here, 0);
   if (!shift.certain || std::abs(shift.px) > kBeyondLinear_px) {
-    const int whole_px = find_whole_shift(levels, early, late);
-    if (whole_px != 0) shift = solve(sum_about(levels, early, late, whole_px, 1), whole_px);
+    const int whole_px = find_whole_shift(probes, early, late, along_rows);
+    if (whole_px != 0) shift = solve(sum_about(probes, early, late, along_rows, whole_px), whole_px);
   }
   return shift.certain ? shift.px : 0.0;
 }
@@ -199,11 +264,24 @@ Early gather_levels(const ProbeLevels& levels, const MotionScratch& scratch) {
 Early gather_early(const ProbeLevels& levels, const MotionScratch& scratch) {
   const Early early = gather_levels(levels, scratch);
   if (early.last_frame == kNone) return early;
-  const auto level8 = [&](int k) { return early.level8[static_cast<std::size_t>(k)]; };
-  local_contrast(*levels.probes, kReach, level8, early.texture8);
-  local_contrast(
-      *levels.probes, kReach + 1, [&](int k) { return 0.5F * (level8(k + 1) - level8(k - 1)); }, early.slope8);
+  const FrameProbes& probes = *levels.probes;
+  for (int first = 0; first < probes.count(); first += probes.line_length(first)) {
+    const auto at = static_cast<std::size_t>(first);
+    local_contrast(&early.level8[at], probes.line_length(first), &early.texture8[at]);
+    local_slope(&early.level8[at], probes.line_length(first), &scratch.late8[at], &early.slope8[at]);
+  }
   return early;
+}
+
+Late gather_late(const ProbeLevels& levels, int frame, const MotionScratch& scratch) {
+  const FrameProbes& probes = *levels.probes;
+  take_levels(probes.levels(frame).data(), probes.count(), levels.to_level8, scratch.late8.data());
+  for (int first = 0; first < probes.count(); first += probes.line_length(first)) {
+    const auto at = static_cast<std::size_t>(first);
+    local_contrast(&scratch.late8[at], probes.line_length(first), &scratch.late_texture8[at]);
+  }
+  find_well_lit(levels, scratch);
+  return {scratch.late8, scratch.late_texture8, scratch.well_lit};
 }
 
 // Where a frame stands against the early ones.
@@ -233,11 +311,8 @@ Result<void> check_motion(const ProbeLevels& levels, const MotionScratch& scratc
     const FrameKind kind = levels.spec(f).kind;
     if (!levels.of_exposure(f) || (kind != FrameKind::kGray && kind != FrameKind::kWhite)) continue;
     if (levels.spec(f).inverted) continue;  // beside its twin
-    local_contrast(
-        *levels.probes, kReach, [&](int k) { return levels.level8(f, k); }, scratch.late8);
-    const auto shift_px = [&](bool along_rows) {
-      return find_shift(levels, early, {f, scratch.late8, find_lit(levels, f, along_rows, scratch.lit)});
-    };
+    const Late late = gather_late(levels, f, scratch);
+    const auto shift_px = [&](bool along_rows) { return find_shift(*levels.probes, early, late, along_rows); };
     const Farthest here{f, shift_px(true), shift_px(false)};
     if (here.px() > first.px()) second = first;
     Farthest& beaten = here.px() > first.px() ? first : second;

@@ -4,10 +4,10 @@
 #include <cmath>
 #include <cstdlib>
 
-#include "base/camera_noise.hpp"
+#include "base/kernel.hpp"
 #include "base/units.hpp"
 #include "contract/result_codes.hpp"
-#include "decode/frame_check.hpp"
+#include "decode/fringe_sums.hpp"
 
 namespace beltpick::decode {
 namespace {
@@ -27,15 +27,16 @@ const char* frame_of(const ProbeLevels& levels, const GrayBit& bit) {
 }
 
 // The steps of one bit; none where so many change more that the image is too coarse for its stripes.
-std::size_t collect_steps(const ProbeLevels& levels, const GrayCode& code, std::span<WordStep> steps) {
+std::size_t collect_steps(const ProbeLevels& levels, std::span<WordStep> steps) {
   constexpr std::size_t kCoarse = 10;  // one in so many
   std::size_t count = 0;
   std::size_t jumps = 0;
   int last_at = -kReach - 1;
   std::uint16_t last = 0;
   for (int i = 0; i < levels.probes->count() && count < steps.size(); ++i) {
-    std::uint16_t word = 0;
-    if (gray_word(levels, code, i, word)) {
+    const auto at = static_cast<std::size_t>(i);
+    if (levels.words.sure[at] != 0) {
+      const std::uint16_t word = levels.words.word[at];
       const unsigned changed = last ^ word;
       const bool near = i - last_at <= kReach;
       if (near && (changed & (changed - 1)) != 0) ++jumps;
@@ -137,41 +138,35 @@ std::unexpected<Error> explain(const ProbeLevels& levels, Axis axis, const GrayC
                  100.0 * count_steps(steps, code.cells, kNone, [](unsigned word) { return word; }).legal_share());
 }
 
-// Phase of `channel` at probe i, in turns; false where the fringe is too weak.
-bool phase_at(const ProbeLevels& levels, int channel, int i, float& turn) {
-  float cosine = 0.0F;
-  float sine = 0.0F;
-  for (int f = 0; f < levels.frames(); ++f) {
-    const Accumulate& work = levels.plan->frames[static_cast<std::size_t>(f)].accumulate;
-    if (work.channel != channel) continue;
-    cosine += work.cosine_weight * levels.level8(f, i);
-    sine += work.sine_weight * levels.level8(f, i);
+// One bit of the words, of its upright frame, its inverted one or both; null: missing.
+BELTPICK_KERNEL
+void read_bit(const std::uint16_t* __restrict upright, const std::uint16_t* __restrict inverted, float to_level8,
+              const float* __restrict low8, const float* __restrict high8, int count, unsigned bit,
+              std::uint16_t* __restrict word, std::uint8_t* __restrict sure) {
+  const bool twins = upright != nullptr && inverted != nullptr;
+  const std::uint16_t* __restrict one = upright != nullptr ? upright : inverted;
+  const std::uint16_t* __restrict other = inverted != nullptr ? inverted : upright;
+  const float sign = upright != nullptr ? 1.0F : -1.0F;
+  for (int i = 0; i < count; ++i) {
+    const float middle = twins ? 0.5F * to_level8 * static_cast<float>(one[i] + other[i]) : 0.5F * (high8[i] + low8[i]);
+    const float margin = sign * (to_level8 * static_cast<float>(one[i]) - middle);
+    const bool doubtful = std::fabs(margin) < kStrongShare * (high8[i] - low8[i]);
+    word[i] = static_cast<std::uint16_t>(word[i] | ((margin > 0.0F ? 1U : 0U) << bit));
+    sure[i] = doubtful ? std::uint8_t{0} : sure[i];
   }
-  turn = std::atan2(sine, cosine) / static_cast<float>(2.0 * kPi);
-  const auto at = static_cast<std::size_t>(i);
-  return std::hypot(sine, cosine) > 0.1F * (levels.high8[at] - levels.low8[at]);
 }
 
 }  // namespace
 
-bool gray_word(const ProbeLevels& levels, const GrayCode& code, int i, std::uint16_t& word) {
-  const auto at = static_cast<std::size_t>(i);
-  if (levels.lit[at] == 0) return false;
-  const float contrast = levels.high8[at] - levels.low8[at];
-  const float middle = 0.5F * (levels.high8[at] + levels.low8[at]);
-  word = 0;
+void read_words(const ProbeLevels& levels, const GrayCode& code) {
+  const int count = levels.probes->count();
+  std::fill_n(levels.words.word.begin(), count, std::uint16_t{0});
+  std::copy_n(levels.lit.begin(), count, levels.words.sure.begin());
+  const auto frame = [&](int f) { return f == kNone ? nullptr : levels.probes->levels(f).data(); };
   for (std::size_t b = 0; b < code.bits.size(); ++b) {
-    const GrayBit& bit = code.bits[b];
-    float margin = 0.0F;
-    if (bit.frame != kNone && bit.twin_frame != kNone) {
-      margin = 0.5F * (levels.level8(bit.frame, i) - levels.level8(bit.twin_frame, i));
-    } else {
-      margin = bit.frame != kNone ? levels.level8(bit.frame, i) - middle : middle - levels.level8(bit.twin_frame, i);
-    }
-    if (std::fabs(margin) < kStrongShare * contrast) return false;
-    if (margin > 0.0F) word = static_cast<std::uint16_t>(word | (1U << b));
+    read_bit(frame(code.bits[b].frame), frame(code.bits[b].twin_frame), levels.to_level8, levels.low8.data(),
+             levels.high8.data(), count, static_cast<unsigned>(b), levels.words.word.data(), levels.words.sure.data());
   }
-  return true;
 }
 
 Result<void> check_gray(const ProbeLevels& levels, Axis axis, const GrayCode& code, std::span<WordStep> steps) {
@@ -181,7 +176,7 @@ Result<void> check_gray(const ProbeLevels& levels, Axis axis, const GrayCode& co
   constexpr int kLeastBitSteps = 8;
   constexpr double kLeastBitLegal = 0.3;
   const auto same = [](unsigned word) { return word; };
-  const std::span<const WordStep> found = steps.first(collect_steps(levels, code, steps));
+  const std::span<const WordStep> found = steps.first(collect_steps(levels, steps));
   const StepCount all = count_steps(found, code.cells, kNone, same);
   if (all.all >= kLeastSteps && (all.legal_share() < kLeastLegal || all.beyond > kMostBeyond * all.all)) {
     return explain(levels, axis, code, found);
@@ -196,7 +191,8 @@ Result<void> check_gray(const ProbeLevels& levels, Axis axis, const GrayCode& co
 }
 
 Result<void> check_agreement(const ProbeLevels& levels, Axis axis, const GrayCode& code, int channel) {
-  constexpr double kMostContrary = 0.08;  // sound captures have below one percent
+  constexpr float kLeastAmplitude = 0.1F;  // of the contrast
+  constexpr double kMostContrary = 0.08;   // sound captures have below one percent
   const PhaseChannel& fringes = levels.plan->channels[static_cast<std::size_t>(channel)];
   const auto period_px = static_cast<float>(fringes.period_px);
   const auto cell_px = static_cast<float>(code.cell_px);
@@ -204,16 +200,22 @@ Result<void> check_agreement(const ProbeLevels& levels, Axis axis, const GrayCod
   int witnesses = 0;
   int contrary = 0;
   double offsets_px = 0.0;
-  for (int i = 0; i < levels.probes->count(); i += levels.stride()) {
-    std::uint16_t word = 0;
-    float turn = 0.0F;
-    if (!gray_word(levels, code, i, word) || !phase_at(levels, channel, i, turn)) continue;
-    const float centre_px = (static_cast<float>(binary_from_gray(word)) + 0.5F) * cell_px - 0.5F;
-    const float orders = (centre_px - turn * period_px) / period_px;
-    const float offset_px = (std::floor(orders + 0.5F) - orders) * period_px;
-    ++witnesses;
-    contrary += std::fabs(offset_px) > 0.25F * (cell_px + period_px) ? 1 : 0;
-    offsets_px += offset_px;
+  for (int first = 0; first < levels.witnesses->count(); first += Witnesses::kBlock) {
+    const FringeBlock fringe = fringe_block(levels, channel, first);
+    for (int k = 0; k < fringe.count; ++k) {
+      const auto n = static_cast<std::size_t>(k);
+      const auto at = static_cast<std::size_t>(levels.witnesses->probe(first + k));
+      const float least = kLeastAmplitude * (levels.high8[at] - levels.low8[at]);
+      const float squared = fringe.cosine[n] * fringe.cosine[n] + fringe.sine[n] * fringe.sine[n];
+      if (levels.words.sure[at] == 0 || squared <= least * least) continue;
+      const float turn = std::atan2(fringe.sine[n], fringe.cosine[n]) / static_cast<float>(2.0 * kPi);
+      const float centre_px = (static_cast<float>(binary_from_gray(levels.words.word[at])) + 0.5F) * cell_px - 0.5F;
+      const float orders = (centre_px - turn * period_px) / period_px;
+      const float offset_px = (std::floor(orders + 0.5F) - orders) * period_px;
+      ++witnesses;
+      contrary += std::fabs(offset_px) > 0.25F * (cell_px + period_px) ? 1 : 0;
+      offsets_px += static_cast<double>(offset_px);
+    }
   }
   if (witnesses < kLeastWitnesses) return {};
   const char* along = axis == Axis::kColumn ? "column" : "row";

@@ -35,7 +35,7 @@ struct RowScratch {
   std::span<std::uint16_t> level, reach;  // that threshold, as 8- or 16-bit levels
   std::span<std::uint16_t> cell;          // see cells_row()
   std::span<std::uint8_t> weak, order_safe;
-  std::span<std::uint16_t> runs;  // see refine_cells_row()
+  std::span<std::uint16_t> runs;                    // see refine_cells_row()
   std::array<std::span<float>, 2> x_px;             // of a further exposure, by Axis
   std::array<std::span<float>, 3> axis_amplitude8;  // of a further exposure by Axis, and of the second axis
   std::array<std::span<PixelState>, 3> axis_state;

@@ -1,6 +1,4 @@
 // Whether the two frames of every Gray bit are each other's inverse.
-#include <algorithm>
-
 #include "contract/result_codes.hpp"
 #include "decode/frame_check.hpp"
 
@@ -10,14 +8,17 @@ namespace {
 // Share of the lit probes at which both frames are bright beyond doubt, or both dark: never, where they are twins.
 float alike_share(const ProbeLevels& levels, const GrayBit& bit) {
   constexpr float kBeyondDoubt = 0.25F;  // of the contrast, from the middle
-  return lit_share(levels, [&](int i) {
-    const auto at = static_cast<std::size_t>(i);
-    const float middle = 0.5F * (levels.high8[at] + levels.low8[at]);
-    const float upright = levels.level8(bit.frame, i) - middle;
-    const float inverted = levels.level8(bit.twin_frame, i) - middle;
-    const float sure = kBeyondDoubt * levels.contrast8(i);
-    return std::min(upright, inverted) > sure || std::max(upright, inverted) < -sure;
-  });
+  const Witnesses& witnesses = *levels.witnesses;
+  const float* low8 = witnesses.low8();
+  const float* high8 = witnesses.high8();
+  return lit_share(levels,
+                   [=, upright8 = witnesses.level8(bit.frame), inverted8 = witnesses.level8(bit.twin_frame)](int w) {
+                     const float middle = 0.5F * (high8[w] + low8[w]);
+                     const float upright = upright8[w] - middle;
+                     const float inverted = inverted8[w] - middle;
+                     const float sure = kBeyondDoubt * (high8[w] - low8[w]);
+                     return ((upright > sure) & (inverted > sure)) | ((upright < -sure) & (inverted < -sure));
+                   });
 }
 
 }  // namespace

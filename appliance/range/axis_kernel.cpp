@@ -45,14 +45,13 @@ BELTPICK_INLINE Bend bend_at(const AxisModel& m, const Line& line, float s, floa
   return {radial, r2, miss, along_s + line.slope * along_o};
 }
 
-// One step of the fixed-point iteration: the shift by the lens at `s` taken off.
+// One step of the fixed-point iteration: most of the shift by the lens at `s` taken off. What it leaves, a pixel or two
+// of a usual lens, Newton's step that follows brings below what floats resolve; lens_strength.hpp makes sure.
 BELTPICK_INLINE float corrected_start(const AxisModel& m, const Line& line, float s) {
   const float o = line.offset + line.slope * s;
   const float ss = s * s;
   const float r2 = ss + o * o;
-  const float shift = s * (r2 * (m.k1 + r2 * (m.k2 + r2 * m.k3))) + 2.0F * m.tangential_so * (s * o) +
-                      m.tangential_ss * (r2 + 2.0F * ss);
-  return s - shift;
+  return s - s * r2 * (m.k1 + r2 * m.k2);
 }
 
 // kStrong: three steps of Newton's method before the last one, from the code itself; else none, from a corrected start.
