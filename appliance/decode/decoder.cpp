@@ -47,8 +47,8 @@ Decoder::Decoder(Arena& arena, const DecoderLimits& limits) : limits_(limits) {
   // A channel has three frames at least.
   context_.ripples = arena.take<Ripple>("ripples", static_cast<std::size_t>(limits.frames / 3 + 1));
   check_ = FrameCheck(arena, limits.rows, limits.cols, limits.frames);
-  const std::size_t codes = limits.code_rows == 0 ? pixels
-                                                  : static_cast<std::size_t>(std::min(limits.code_rows, limits.rows)) *
+  const std::size_t codes = limits.band_rows == 0 ? pixels
+                                                  : static_cast<std::size_t>(std::min(limits.band_rows, limits.rows)) *
                                                         static_cast<std::size_t>(limits.cols);
   if (limits.codes_columns) column_px_ = arena.take_scratch<float>(Phase::kMeasure, "code image", codes);
   if (limits.codes_rows) row_px_ = arena.take_scratch<float>(Phase::kMeasure, "code image", codes);
@@ -149,7 +149,7 @@ Result<void> Decoder::fold(int index, ImageView<const std::uint8_t> image) { ret
 Result<void> Decoder::fold(int index, ImageView<const std::uint16_t> image) { return fold_any(index, image); }
 
 std::size_t Decoder::code_at(int row, int first) const {
-  const bool all = limits_.code_rows == 0 || limits_.code_rows >= rows_;
+  const bool all = limits_.band_rows == 0 || limits_.band_rows >= rows_;
   return static_cast<std::size_t>(all ? row : row - first) * static_cast<std::size_t>(context_.cols);
 }
 
@@ -205,7 +205,7 @@ void Decoder::measure_contrasts() {
 }
 
 CodeImage Decoder::finish_rows(int first, int end) {
-  assert(limits_.code_rows == 0 || end - first <= limits_.code_rows);
+  assert(limits_.band_rows == 0 || end - first <= limits_.band_rows);
   const bool columns = context_.plan->codes(Axis::kColumn);
   const bool rows = context_.plan->codes(Axis::kRow);
   for (int row = first; row < end; ++row) {

@@ -26,7 +26,7 @@ struct DecoderLimits {
   bool codes_columns = true;      // the axes that sequences may code
   bool codes_rows = false;
   int frames = 32;    // of one sequence
-  int code_rows = 0;  // of the code image that are kept at once; 0: all. Whoever reads them in bands needs a band
+  int band_rows = 0;  // of the code image that are kept at once; 0: all. Whoever reads them in bands needs a band
 };
 
 // The limits that just hold `plan` for a camera of this size.

@@ -6,7 +6,6 @@
 #include "decode/gather_rows.hpp"
 #include "decode/gray_subpixel.hpp"
 #include "decode/order_search.hpp"
-#include "decode/ripple.hpp"
 #include "decode/row_decoder.hpp"
 
 namespace beltpick::decode {

@@ -55,11 +55,6 @@ class FrameProbes {
   [[nodiscard]] int in_row_lines() const { return kRowLines * cols_; }
   // Probes of the line that probe `i` lies on.
   [[nodiscard]] int line_length(int i) const { return i < in_row_lines() ? cols_ : rows_; }
-  // From probe `i` to the nearer end of its line.
-  [[nodiscard]] int to_line_end(int i) const {
-    const int on_line = i < in_row_lines() ? i % cols_ : (i - in_row_lines()) % rows_;
-    return std::min(on_line, line_length(i) - 1 - on_line);
-  }
   // True where probe `i` and probe i + 1 are neighbours in the image.
   [[nodiscard]] bool joined(int i) const {
     const int in_rows = kRowLines * cols_;

@@ -124,7 +124,7 @@ void local_contrast(const float* __restrict level8, int length, float* __restric
   }
 }
 
-// How fast the level grows along the line, over the mean of its neighbours; `slope8` has room for the line.
+// How fast the level grows along the line, over the mean of its neighbours. `work`: room for the line.
 void local_slope(const float* level8, int length, float* work, float* out) {
   work[0] = work[length - 1] = 0.0F;
   for (int i = 1; i + 1 < length; ++i) work[i] = 0.5F * (level8[i + 1] - level8[i - 1]);

@@ -15,7 +15,7 @@ decode::DecoderLimits decoder_limits(const Limits& limits) {
           .codes_columns = true,
           .codes_rows = limits.code_rows,
           .frames = limits.frames,
-          .code_rows = decode::kBandRows};
+          .band_rows = decode::kBandRows};
 }
 
 Measure::Measure(Arena& arena, const decode::DecoderLimits& limits)

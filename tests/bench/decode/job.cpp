@@ -15,9 +15,9 @@
 namespace beltpick::bench {
 namespace {
 
-decode::DecoderLimits limits_of(const decode::FoldPlan& plan, const Loaded& loaded, int code_rows) {
+decode::DecoderLimits limits_of(const decode::FoldPlan& plan, const Loaded& loaded, int band_rows) {
   decode::DecoderLimits limits = decode::limits_for(plan, loaded.rows(), loaded.cols(), 1);
-  limits.code_rows = code_rows;
+  limits.band_rows = band_rows;
   return limits;
 }
 
@@ -78,9 +78,9 @@ struct Job::Stages {
   RangeImage range;
 };
 
-Job::Job(const Loaded& loaded, const Calibration* calibration, int code_rows) : loaded_(loaded) {
+Job::Job(const Loaded& loaded, const Calibration* calibration, int band_rows) : loaded_(loaded) {
   const auto plan = need(decode::make_fold_plan(loaded.header.sequence));
-  stages_ = std::make_unique<Stages>(plan, limits_of(plan, loaded, code_rows));
+  stages_ = std::make_unique<Stages>(plan, limits_of(plan, loaded, band_rows));
   stages_->copy.resize(loaded.frames.size() * loaded.frames.front().pixels8.size());
   stages_->triangulates = calibration != nullptr;
   if (calibration != nullptr) need(stages_->both.triangulator.load(*calibration));

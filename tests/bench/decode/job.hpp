@@ -54,8 +54,8 @@ struct Times {
 // A decoder and, with a calibration, a triangulator in fixed memory of their own.
 class Job {
  public:
-  // Keeps `code_rows` rows of the code image, 0: all; see DecoderLimits.
-  Job(const Loaded& loaded, const Calibration* calibration, int code_rows);
+  // Keeps `band_rows` rows of the code image, 0: all; see DecoderLimits.
+  Job(const Loaded& loaded, const Calibration* calibration, int band_rows);
   ~Job();
   Job(const Job&) = delete;
   Job& operator=(const Job&) = delete;

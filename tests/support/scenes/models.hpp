@@ -4,7 +4,9 @@
 #include <stdexcept>
 
 #include "base/arena.hpp"
+#include "pipeline/locate.hpp"
 #include "pipeline/model_store.hpp"
+#include "support/scenes/scenes.hpp"
 #include "support/scenes/shapes.hpp"
 
 namespace beltpick::test {
@@ -39,6 +41,17 @@ struct InArena {
     return measuring.used_bytes();
   }
 };
+
+// What the locator is given of a scene; views of `image`.
+inline pipeline::LocateInput input_of(SceneImage& image) {
+  pipeline::LocateInput input;
+  input.range = image.range();
+  input.labels = image.labels();
+  input.segments = image.segments;
+  input.belt = image.belt;
+  input.lens = image.lens;
+  return input;
+}
 
 struct LoadedPart {
   PartTemplate part;

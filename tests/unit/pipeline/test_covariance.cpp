@@ -55,13 +55,7 @@ Spread spread_of(const Shape& shape, const LoadedPart& loaded) {
                                                   .noise_mm = 0.15,
                                                   .shadows = false,
                                                   .seed = static_cast<std::uint64_t>(seed)});
-    pipeline::LocateInput input;
-    input.range = image.range();
-    input.labels = image.labels();
-    input.segments = image.segments;
-    input.belt = image.belt;
-    input.lens = image.lens;
-    const auto found = locator.made.locate(input, loaded.store.made.models());
+    const auto found = locator.made.locate(input_of(image), loaded.store.made.models());
     REQUIRE(found.parts.size() == 1);
     spread.motions.push_back(motion(truth, found.parts[0].T_camera_part, loaded.model().centre_mm));
     spread.told += found.parts[0].covariance / kSeeds;
@@ -95,13 +89,7 @@ TEST_CASE("a pin's turn about its axis is told to be free, and the rest of it is
   InArena<pipeline::Locator> locator(test_limits(), 1);
   const Mat3 lying = Eigen::AngleAxisd(1.5707963, Vec3::UnitY()).toRotationMatrix();
   SceneImage image = render({{&shape, on_belt(shape, loaded.part, lying, 0.0, 0.0)}});
-  pipeline::LocateInput input;
-  input.range = image.range();
-  input.labels = image.labels();
-  input.segments = image.segments;
-  input.belt = image.belt;
-  input.lens = image.lens;
-  const auto found = locator.made.locate(input, loaded.store.made.models());
+  const auto found = locator.made.locate(input_of(image), loaded.store.made.models());
   REQUIRE(found.parts.size() == 1);
   const auto freedoms = freedoms_of(found.parts[0].covariance, found.parts[0].T_camera_part, loaded.part);
   const auto words = unobservable(freedoms, loaded.part.symmetry);

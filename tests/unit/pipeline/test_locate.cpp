@@ -14,16 +14,6 @@ using namespace beltpick::test;
 
 namespace {
 
-pipeline::LocateInput input_of(SceneImage& image) {
-  pipeline::LocateInput input;
-  input.range = image.range();
-  input.labels = image.labels();
-  input.segments = image.segments;
-  input.belt = image.belt;
-  input.lens = image.lens;
-  return input;
-}
-
 void check_close(const LocatedPart& part, const result::PartPose& truth, const PartModel& model) {
   const PoseDifference d = difference_modulo_symmetry(part.T_camera_part, truth, model);
   CHECK(d.translation_mm < 0.6);

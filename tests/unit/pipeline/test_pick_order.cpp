@@ -77,13 +77,7 @@ TEST_CASE("of parts wall to wall each is offered by the grasp that clears the ot
   SceneImage image = render({{&shape, on_belt(shape, taught, Mat3::Identity(), 53.0, 0.0)},
                              {&shape, on_belt(shape, taught, about, -53.0, 0.0)}},
                             {.shadows = false});
-  pipeline::LocateInput input;
-  input.range = image.range();
-  input.labels = image.labels();
-  input.segments = image.segments;
-  input.belt = image.belt;
-  input.lens = image.lens;
-  const auto found = locator.made.locate(input, store.made.models());
+  const auto found = locator.made.locate(input_of(image), store.made.models());
   REQUIRE(found.parts.size() == 2);
   for (const LocatedPart& located : found.parts) {
     CHECK(located.grasp_index == (both ? 1 : -1));

@@ -9,6 +9,7 @@
 #include "bench/pose/descriptors/trial.hpp"
 #include "bench/pose/need.hpp"
 #include "bench/pose/options.hpp"
+#include "bench/pose/quantile.hpp"
 #include "pipeline/noise.hpp"
 #include "pipeline/object_points.hpp"
 
@@ -119,12 +120,6 @@ class Bench {
   double teach_ms_ = 0.0;
   std::vector<Tried> results_;
 };
-
-double quantile(std::vector<double> values, double share) {
-  if (values.empty()) return 0.0;
-  std::sort(values.begin(), values.end());
-  return values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1))];
-}
 
 void Bench::print() const {
   std::map<std::string, std::vector<const Outcomes*>> groups;
