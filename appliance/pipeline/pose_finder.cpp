@@ -12,7 +12,6 @@
 namespace beltpick::pipeline {
 namespace {
 
-constexpr std::size_t kCoarseSample = 200;
 constexpr std::size_t kAlignSample = 1000;  // the paper's
 constexpr std::size_t kFinalSample = 2500;
 constexpr std::size_t kOutlinePairs = 4096;
@@ -32,9 +31,6 @@ constexpr std::size_t kLeastSample = 60;
 // impression is good, all are tried.
 constexpr double kLeastImpression = 0.4;
 constexpr double kGoodImpression = 0.2;
-
-// Distances of search and alignment grow with the part.
-double fine_radius_mm(const PartModel& model) { return 0.03 * model.diagonal_mm; }
 
 double strength(const result::Evidence& e) {
   return e.support * (1.0 - e.contradicted) * std::max(0.0, 1.0 - 4.0 * e.violated) * (1.0 - 0.5 * e.continued) *
@@ -204,8 +200,7 @@ void PoseFinder::shortlist(const Context& context, int model_index, Effort route
   std::array<Hypothesis, kMaxShortlist> hypotheses;
   const std::size_t count = pool.take_distinct(model, 0.04 * model.diagonal_mm, rad_from_deg(12.0),
                                                std::span(hypotheses).first(breadth.shortlist));
-  const std::array<icp::Stage, 2> stages{icp::Stage{coarse_radius_mm(model), 8, 0.3F, 0.3F},
-                                         icp::Stage{fine_radius_mm(model), 6, 0.5F, 0.3F}};
+  const auto stages = coarse_stages(model);
   const auto sample = this->sample().first(std::min(sample_count_, kCoarseSample));
   const double tolerance_mm = 3.0 * result::surface_tolerance_mm(context.scene, model.spacing_mm);
   std::array<Candidate, kMaxShortlist> tried;
@@ -256,9 +251,7 @@ void PoseFinder::weigh_shortlist(const Context& context, Effort route) {
 
 void PoseFinder::align_fully(const Context& context, Candidate& candidate) {
   const PartModel& model = context.models[static_cast<std::size_t>(candidate.model_index)];
-  const double last_mm = 3.0 * result::surface_tolerance_mm(context.scene, model.spacing_mm);
-  const std::array<icp::Stage, 2> stages{icp::Stage{fine_radius_mm(model), 15, 0.5F, 0.2F},
-                                         icp::Stage{last_mm, 15, 0.7F, 0.1F}};
+  const auto stages = full_stages(model, result::surface_tolerance_mm(context.scene, model.spacing_mm));
   candidate.alignment =
       icp::align(sample(), model, candidate.alignment.T_camera_part, stages, icp::Noise{context.scene.noise_mm});
 }

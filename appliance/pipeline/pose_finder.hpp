@@ -9,6 +9,7 @@
 #include "contract/limits.hpp"
 #include "icp/align.hpp"
 #include "pipeline/attempt.hpp"
+#include "pipeline/icp_stages.hpp"
 #include "pipeline/object_points.hpp"
 #include "pipeline/trace.hpp"
 #include "primitives/msac.hpp"
@@ -21,8 +22,6 @@ namespace beltpick::pipeline {
 
 // Points of an object that its hypotheses are ranked by: the paper's number.
 inline constexpr std::size_t kSearchSample = 100;
-// Where distances in Q are capped, and how far the first alignment looks.
-inline double coarse_radius_mm(const PartModel& model) { return 0.08 * model.diagonal_mm; }
 
 class PoseFinder {
  public:

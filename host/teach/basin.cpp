@@ -7,6 +7,8 @@
 #include "base/units.hpp"
 #include "contract/pose_difference.hpp"
 #include "icp/align.hpp"
+#include "pipeline/icp_stages.hpp"
+#include "result/scene.hpp"
 
 namespace beltpick::teach {
 
@@ -14,9 +16,8 @@ namespace {
 
 constexpr std::array<double, kBasinLevels> kTurns_deg{4, 8, 12, 16, 22, 30, 40, 55};
 constexpr std::array<double, kBasinLevels> kShiftShares{0.01, 0.02, 0.03, 0.045, 0.06, 0.08, 0.11, 0.15};
-constexpr std::size_t kSample = 200;  // points of a view, as the first alignments of a search have
-constexpr double kNearlyAll = 0.9;    // of the starts: the rest is what other poses of the search are for
-constexpr int kJointTrials = 8;       // a view
+constexpr double kNearlyAll = 0.9;  // of the starts: the rest is what other poses of the search are for
+constexpr int kJointTrials = 8;     // a view
 constexpr double kFiner = 0.85;
 constexpr double kFinest_rad = rad_from_deg(5.0);
 constexpr double kCoarsest_rad = rad_from_deg(30.0);
@@ -29,7 +30,7 @@ using Offset = Eigen::Matrix<double, 6, 1>;  // rotation vector about the box's 
 std::vector<OrientedPoint> sample_of(const SimulatedView& view, Random& random) {
   std::vector<OrientedPoint> sample;
   if (view.of_part.empty()) return sample;
-  for (std::size_t i = 0; i < kSample; ++i) {
+  for (std::size_t i = 0; i < pipeline::kCoarseSample; ++i) {
     sample.push_back(view.of_part[random.below(static_cast<std::uint32_t>(view.of_part.size()))]);
   }
   return sample;
@@ -47,18 +48,17 @@ PartPose displaced(const PartPose& truth, const Offset& offset, const Vec3& cent
 class Homing {
  public:
   Homing(const PartModel& model, std::span<const SimulatedView> views) : model_(model), views_(views) {
+    const auto coarse = pipeline::coarse_stages(model);
+    const auto full = pipeline::full_stages(model, result::surface_tolerance_mm(result::Scene{}, model.spacing_mm));
+    stages_ = {coarse[0], coarse[1], full[0], full[1]};
     Random random(1, 6);
     for (const SimulatedView& view : views) samples_.push_back(sample_of(view, random));
   }
 
   [[nodiscard]] bool comes_home(std::size_t view, const Offset& offset) const {
-    // Wide to narrow, as the search aligns what it has found.
-    const std::array<icp::Stage, 3> stages{icp::Stage{0.08 * model_.diagonal_mm, 8, 0.3F, 0.3F},
-                                           icp::Stage{0.03 * model_.diagonal_mm, 6, 0.5F, 0.3F},
-                                           icp::Stage{0.01 * model_.diagonal_mm + 1.0, 10, 0.7F, 0.1F}};
     const PartPose& truth = views_[view].T_camera_part;
     const Alignment alignment =
-        icp::align(samples_[view], model_, displaced(truth, offset, model_.centre_mm), stages, icp::Noise{});
+        icp::align(samples_[view], model_, displaced(truth, offset, model_.centre_mm), stages_, icp::Noise{});
     const PoseDifference d = difference_modulo_symmetry(alignment.T_camera_part, truth, model_);
     return d.translation_mm < kHomeShare * model_.diagonal_mm && d.rotation_rad < kHome_rad;
   }
@@ -68,7 +68,7 @@ class Homing {
   [[nodiscard]] std::vector<std::size_t> telling(const Basin& basin) const {
     std::vector<std::size_t> views;
     for (std::size_t v = 0; v < views_.size(); ++v) {
-      bool held = samples_[v].size() == kSample;
+      bool held = samples_[v].size() == pipeline::kCoarseSample;
       for (std::size_t k = 0; held && k < 12; ++k) {
         Offset offset = Offset::Zero();
         offset[static_cast<Eigen::Index>(k / 2)] =
@@ -83,6 +83,7 @@ class Homing {
  private:
   const PartModel& model_;
   std::span<const SimulatedView> views_;
+  std::array<icp::Stage, 4> stages_;  // of the appliance's own search
   std::vector<std::vector<OrientedPoint>> samples_;
 };
 
