@@ -20,7 +20,7 @@ struct Options {
   double noise_mm = 0.0;           // instead of what the noise law gives; 0: the law
   int workers = 1;                 // threads that look for poses, in each process
   int width = 1280, height = 960;
-  std::filesystem::path templates = "bench_pose_templates";
+  std::filesystem::path templates = BELTPICK_BENCH_DIR "/pose_templates";
   std::filesystem::path records;  // empty: not kept
   std::filesystem::path explain;  // folder for one scene's capture
   std::optional<int> scene;       // this one alone
@@ -44,7 +44,7 @@ inline constexpr const char* kHelp =
     "  --jobs J            processes (default 2)\n"
     "  --camera WxH        of the virtual camera (default 1280x960)\n"
     "  --families A,B      of the virtual cell's parts (default: all)\n"
-    "  --templates DIR     taught templates are kept and taken from here (default bench_pose_templates)\n"
+    "  --templates DIR     taught templates are kept and taken from here (default: bench/pose_templates of the build)\n"
     "  --scene K           this scene alone\n"
     "  --explain DIR       with --scene: its cloud, labels, truth, templates and poses as files\n"
     "  --expect-recall R   fail where a pose is wrong or less than this share of the parts of which 60 % were "
