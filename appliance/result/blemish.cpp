@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <optional>
 #include <utility>
 
@@ -13,6 +14,11 @@ namespace {
 constexpr int kLeastCore = 4;
 // In tolerances of the surface: what bounced light or a rounded edge shifts is less.
 constexpr double kMargins = 2.0;
+// The face round a hole is looked for in so many cells of its rim; both ends of a cover lie on one face where their
+// normals agree so well (cosine) and they are level to within this share of their distance.
+constexpr int kRimCells = 4;
+constexpr float kOneFace = 0.5F;
+constexpr float kStepShare = 0.1F;
 
 constexpr std::array<std::pair<int, int>, 4> kBeside{{{-1, 0}, {1, 0}, {0, -1}, {0, 1}}};
 
@@ -22,6 +28,42 @@ std::optional<Vec3f> measured_at(const Drawing& drawing, const Scene& scene, int
   const int c = drawing.column_px() + col * drawing.factor() + drawing.factor() / 2;
   if (!scene.range.point_mm.contains(r, c) || !scene.range.valid(r, c)) return {};
   return scene.range.point_mm(r, c);
+}
+
+// Of the first cells of a hole's rim, outward from (row, col), the one that faces the camera most: a hole's wall does
+// not tell where its cover would lie.
+Drawing::Shown rim(const Drawing& drawing, int row, int col, int down, int right) {
+  const auto depth = drawing.depth_mm();
+  const auto facing = [](const Drawing::Shown& at) { return -at.normal.dot(at.point_mm) / at.point_mm.norm(); };
+  Drawing::Shown most = drawing.shown(row, col);
+  for (int step = 1; step < kRimCells; ++step) {
+    const int r = row + step * down, c = col + step * right;
+    if (!depth.contains(r, c) || depth(r, c) == 0.0F) break;
+    const Drawing::Shown next = drawing.shown(r, c);
+    if (facing(next) > facing(most)) most = next;
+  }
+  return most;
+}
+
+// The surface that would close a hole, camera frame: from a flat one to one bulging along the normal.
+struct Cover {
+  Vec3f rim_mm, normal;
+  float bulge_mm;
+
+  [[nodiscard]] bool holds(const Vec3f& measured_mm, float margin_mm) const {
+    const float height_mm = normal.dot(measured_mm - rim_mm);
+    return height_mm > std::min(0.0F, bulge_mm) - margin_mm && height_mm < std::max(0.0F, bulge_mm) + margin_mm;
+  }
+};
+
+// That between two places of the hole's rim, if they are of one face.
+std::optional<Cover> cover_between(const Drawing::Shown& one, const Drawing::Shown& other) {
+  if (one.normal.dot(other.normal) < kOneFace) return {};
+  const Vec3f chord = other.point_mm - one.point_mm;
+  const Vec3f normal = (one.normal + other.normal).normalized();
+  if (std::abs(normal.dot(chord)) > kStepShare * chord.norm()) return {};
+  // Tangents at both ends of an arc meet a quarter of chord times turn above the chord.
+  return Cover{one.point_mm, normal, 0.25F * (other.normal - one.normal).dot(chord)};
 }
 
 }  // namespace
@@ -80,23 +122,32 @@ void BlemishFinder::mark_outside(const Drawing& drawing) {
   }
 }
 
-// Within a hole, a surface between the depths of the rim to the left and to the right.
+// Within a hole, a surface that carries on the face round it from rim to rim, along rows and columns: where the far rim
+// shows the hole's wall one way, it shows the face the other way.
 void BlemishFinder::mark_filled(const Drawing& drawing, const Scene& scene, float margin_mm) {
-  const auto depth = drawing.depth_mm();
-  for (int row = 0; row < depth.rows; ++row) {
-    for (int first = 0; first < depth.cols; ++first) {
-      if (depth(row, first) != 0.0F || cells_(row, first) == Cell::kOutside) continue;
-      int end = first;
-      while (depth(row, end) == 0.0F) ++end;  // a hole has a rim on both sides
-      const auto [nearer, farther] = std::minmax(depth(row, first - 1), depth(row, end));
-      for (int col = first; col < end; ++col) {
-        const auto measured = measured_at(drawing, scene, row, col);
-        if (!measured) continue;
-        const bool level = measured->z() > nearer - margin_mm && measured->z() < farther + margin_mm;
-        if (level) cells_(row, col) = Cell::kFilled;
-      }
-      first = end;
+  for (int row = 1; row + 1 < cells_.rows; ++row) {
+    for (int col = 1; col + 1 < cells_.cols; ++col) {
+      if (!in_hole(drawing, row, col)) continue;
+      if (!in_hole(drawing, row, col - 1)) mark_covered(drawing, scene, margin_mm, {row, col, 0, 1});
+      if (!in_hole(drawing, row - 1, col)) mark_covered(drawing, scene, margin_mm, {row, col, 1, 0});
     }
+  }
+}
+
+bool BlemishFinder::in_hole(const Drawing& drawing, int row, int col) const {
+  return drawing.depth_mm()(row, col) == 0.0F && cells_(row, col) != Cell::kOutside;
+}
+
+// From the hole's first cell on a line to its last: a hole has a rim on both sides.
+void BlemishFinder::mark_covered(const Drawing& drawing, const Scene& scene, float margin_mm, const Line& line) {
+  int length = 1;
+  while (in_hole(drawing, line.row_at(length), line.col_at(length))) ++length;
+  const auto cover = cover_between(rim(drawing, line.row_at(-1), line.col_at(-1), -line.down, -line.right),
+                                   rim(drawing, line.row_at(length), line.col_at(length), line.down, line.right));
+  if (!cover) return;
+  for (int i = 0; i < length; ++i) {
+    const auto measured = measured_at(drawing, scene, line.row_at(i), line.col_at(i));
+    if (measured && cover->holds(*measured, margin_mm)) cells_(line.row_at(i), line.col_at(i)) = Cell::kFilled;
   }
 }
 

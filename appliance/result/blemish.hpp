@@ -31,10 +31,18 @@ class BlemishFinder {
 
  private:
   enum class Cell : std::uint8_t { kPlain, kSeenThrough, kFilled, kOutside };
+  // Cells of the drawing from (row, col) on, along a row or a column.
+  struct Line {
+    int row, col, down, right;
+    [[nodiscard]] int row_at(int i) const { return row + i * down; }
+    [[nodiscard]] int col_at(int i) const { return col + i * right; }
+  };
 
   void mark_seen_through(const Drawing& drawing, const Scene& scene, float margin_mm);
   void mark_outside(const Drawing& drawing);
   void mark_filled(const Drawing& drawing, const Scene& scene, float margin_mm);
+  [[nodiscard]] bool in_hole(const Drawing& drawing, int row, int col) const;
+  void mark_covered(const Drawing& drawing, const Scene& scene, float margin_mm, const Line& line);
   [[nodiscard]] bool thick(int row, int col, Cell kind) const;
   int largest(Cell kind);
   int flood(std::int32_t start, Cell kind);
