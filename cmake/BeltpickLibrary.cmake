@@ -97,7 +97,8 @@ function(beltpick_program name)
 endfunction()
 
 # Compiles sources with BELTPICK_KERNEL functions (base/kernel.hpp) for speed, with the same bits on every vector unit:
-# errno and floating-point traps, which nobody reads, would only keep sqrt and comparisons from being vectorised.
+# errno and floating-point traps, which nobody reads, would only keep sqrt and comparisons from being vectorised. Vectors
+# wider than the baseline's pass between functions of one source only, so that how they do (-Wpsabi) matters to nobody.
 function(beltpick_kernel_sources)
-  set_source_files_properties(${ARGN} PROPERTIES COMPILE_OPTIONS "-O3;-ffp-contract=off;-fno-math-errno;-fno-trapping-math")
+  set_source_files_properties(${ARGN} PROPERTIES COMPILE_OPTIONS "-O3;-ffp-contract=off;-fno-math-errno;-fno-trapping-math;-Wno-psabi")
 endfunction()

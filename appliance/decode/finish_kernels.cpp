@@ -17,15 +17,14 @@ namespace {
 BELTPICK_INLINE float octant_turns(float r) {
   constexpr float kTurn = 0.15915494309F;
   const float q = r * r;
-  float p = 0.0028662257F;
-  p = p * q - 0.0161657367F;
-  p = p * q + 0.0429096138F;
-  p = p * q - 0.0752896400F;
-  p = p * q + 0.1065626393F;
-  p = p * q - 0.1420889944F;
-  p = p * q + 0.1999355085F;
-  p = p * q - 0.3333314528F;
-  p = p * q + 1.0F;
+  const float q2 = q * q;
+  const float q4 = q2 * q2;
+  // In pairs of terms, which vector units work out side by side.
+  const float p01 = 1.0F - 0.3333314528F * q;
+  const float p23 = 0.1999355085F - 0.1420889944F * q;
+  const float p45 = 0.1065626393F - 0.0752896400F * q;
+  const float p67 = 0.0429096138F - 0.0161657367F * q;
+  const float p = (p01 + p23 * q2) + (p45 + p67 * q2 + (0.0028662257F * q4)) * q4;
   return p * r * kTurn;
 }
 

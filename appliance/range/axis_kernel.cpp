@@ -5,6 +5,7 @@
 
 #include "base/camera_noise.hpp"
 #include "base/kernel.hpp"
+#include "range/lanes.hpp"
 #include "range/stream_copy.hpp"
 
 namespace beltpick::range {
@@ -122,6 +123,16 @@ BELTPICK_INLINE void depths(const AxisModel& model, const AxisInput& input, int 
   }
 }
 
+constexpr int kTogether = 64;  // pixels whose points are written in one go
+static_assert(kTogether % kBlock == 0);
+
+BELTPICK_INLINE void rays_of(const RayCurve& curve, int first, int count, float* ray) {
+  for (int k = 0; k < blocks_along(count); ++k) {
+    const int block = first / kBlock + k;
+    *loose(ray + k * kBlock) = curve.at[block] + kPixel * (curve.slope[block] + kPixel * curve.bend[block]);
+  }
+}
+
 // Points and sigmas of a block of pixels, with flying ones already at depth 0. Returns how many points.
 BELTPICK_INLINE int points_of(const float* __restrict ray_u, const float* __restrict ray_v,
                               const float* __restrict depth_mm, const float* __restrict sigma_in_mm, int count,
@@ -194,9 +205,9 @@ void depth_row(const AxisModel& model, const AxisInput& in, int count, float* de
 }
 
 BELTPICK_KERNEL
-RowCounts point_row(const float* __restrict ray_u, const float* __restrict ray_v, float* __restrict depth_mm,
-                    const float* __restrict sigma_in_mm, const std::uint8_t* __restrict flies,
-                    PixelState* __restrict state, int count, float* __restrict point_mm, float* __restrict sigma_mm) {
+RowCounts point_row(const RayRow& rays, float* __restrict depth_mm, const float* __restrict sigma_in_mm,
+                    const std::uint8_t* __restrict flies, PixelState* __restrict state, int count,
+                    float* __restrict point_mm, float* __restrict sigma_mm) {
   // Bytes in passes of their own: beside them the compiler would take four vectors of floats at a time.
   int flying = 0;
   int coded = 0;
@@ -208,17 +219,24 @@ RowCounts point_row(const float* __restrict ray_u, const float* __restrict ray_v
     for (int i = 0; i < count; ++i) depth_mm[i] = flies[i] == 0 ? depth_mm[i] : 0.0F;
   }
   // In blocks that leave the processor time to empty its write buffers beside the arithmetic.
-  constexpr int kBlock = 64;
-  alignas(64) std::array<float, 3 * kBlock> points_mm;
-  alignas(64) std::array<float, kBlock> sigmas_mm;
+  alignas(64) std::array<float, kTogether> curve_u;
+  alignas(64) std::array<float, kTogether> curve_v;
+  alignas(64) std::array<float, 3 * kTogether> points_mm;
+  alignas(64) std::array<float, kTogether> sigmas_mm;
   int points = 0;
-  for (int first = 0; first < count; first += kBlock) {
-    const int block = std::min(kBlock, count - first);
+  for (int first = 0; first < count; first += kTogether) {
+    const int block = std::min(kTogether, count - first);
+    const bool one_by_one = rays.u != nullptr;
+    if (!one_by_one) {
+      rays_of(rays.curve_u, first, block, curve_u.data());
+      rays_of(rays.curve_v, first, block, curve_v.data());
+    }
+    const float* u = one_by_one ? rays.u + first : curve_u.data();
+    const float* v = one_by_one ? rays.v + first : curve_v.data();
     const auto in_block = [&](int pixels) {
-      return points_of(ray_u + first, ray_v + first, depth_mm + first, sigma_in_mm + first, pixels, points_mm.data(),
-                       sigmas_mm.data());
+      return points_of(u, v, depth_mm + first, sigma_in_mm + first, pixels, points_mm.data(), sigmas_mm.data());
     };
-    points += block == kBlock ? in_block(kBlock) : in_block(block);
+    points += block == kTogether ? in_block(kTogether) : in_block(block);
     stream_copy(points_mm.data(), 3 * static_cast<std::size_t>(block), point_mm + 3 * first);
     stream_copy(sigmas_mm.data(), static_cast<std::size_t>(block), sigma_mm + first);
   }

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "contract/result_codes.hpp"
+#include "range/curves_fit.hpp"
 #include "range/lens_model.hpp"
 #include "range/lens_strength.hpp"
 #include "range/stream_copy.hpp"
@@ -16,9 +17,15 @@ constexpr float kAgreeSigmas = 5.0F;
 
 }  // namespace
 
-Triangulator::Triangulator(Arena& arena, int rows, int cols) : max_rows_(rows), max_cols_(cols), edges_(arena, cols) {
+Triangulator::Triangulator(Arena& arena, int rows, int cols)
+    : max_rows_(rows),
+      max_cols_(cols),
+      edges_(arena, cols),
+      curves_{DepthCurves(arena, rows, cols), DepthCurves(arena, rows, cols)},
+      rays_(arena, rows, cols) {
   const std::size_t pixels = static_cast<std::size_t>(rows) * static_cast<std::size_t>(cols);
   const auto width = static_cast<std::size_t>(cols);
+  const auto whole_blocks = static_cast<std::size_t>(blocks_along(cols) * kBlock);
   ray_u_ = arena.take<float>("camera rays", pixels);
   ray_v_ = arena.take<float>("camera rays", pixels);
   point_mm_ = arena.take<Vec3f>("range image", pixels);
@@ -30,8 +37,8 @@ Triangulator::Triangulator(Arena& arena, int rows, int cols) : max_rows_(rows), 
     scratch.sigma_px = arena.take<float>("range scratch", width);
   }
   for (DepthRow& row : depths_) {
-    row.depth_mm = arena.take<float>("range scratch", width);
-    row.sigma_mm = arena.take<float>("range scratch", width);
+    row.depth_mm = arena.take<float>("range scratch", whole_blocks);
+    row.sigma_mm = arena.take<float>("range scratch", whole_blocks);
   }
 }
 
@@ -61,7 +68,12 @@ Result<void> Triangulator::load(const Calibration& calibration) {
     AxisModel& model = models_[static_cast<std::size_t>(axis)] = axis_model(calibration, axis);
     const int extent_px = axis == Axis::kColumn ? projector.width : projector.height;
     model.strong_lens = !one_step_suffices(model, extent_px, ray_u_.first(at), ray_v_.first(at));
+    DepthCurves& curves = curves_[static_cast<std::size_t>(axis)];
+    curves.load(calibration, axis);
+    by_curves_[static_cast<std::size_t>(axis)] =
+        curves_fit(model, extent_px, curves, ray_u_.first(at), ray_v_.first(at), cols_);
   }
+  rays_by_curves_ = rays_.load(camera) && (by_curves_[0] || by_curves_[1]);
   return {};
 }
 
@@ -101,15 +113,23 @@ void Triangulator::measure_both(const CodeImage& band, int band_row, int row, co
   }
 }
 
+void Triangulator::measure_axis(Axis axis, const CodeImage& band, int band_row, int row, const DepthRow& out) {
+  const auto a = static_cast<std::size_t>(axis);
+  const AxisInput in = input(axis, band, band_row, row);
+  if (by_curves_[a]) {
+    depth_row(curves_[a].row(row), in, cols_, out.depth_mm.data(), out.sigma_mm.data());
+  } else {
+    depth_row(models_[a], in, cols_, out.depth_mm.data(), out.sigma_mm.data());
+  }
+}
+
 void Triangulator::measure_row(const CodeImage& band, int band_row, int row) {
   const DepthRow& out = depths_[static_cast<std::size_t>(row) % 2];
   const bool columns = !band.column_px.empty();
   if (columns && !band.row_px.empty()) {
     measure_both(band, band_row, row, out);
   } else {
-    const Axis axis = columns ? Axis::kColumn : Axis::kRow;
-    depth_row(models_[static_cast<std::size_t>(axis)], input(axis, band, band_row, row), cols_, out.depth_mm.data(),
-              out.sigma_mm.data());
+    measure_axis(columns ? Axis::kColumn : Axis::kRow, band, band_row, row, out);
   }
   const auto flies = edges_.push(out.depth_mm.data(), out.sigma_mm.data(), band.modulation.row(band_row));
   if (row > 0) write_points(row - 1, flies);
@@ -119,8 +139,9 @@ void Triangulator::measure_row(const CodeImage& band, int band_row, int row) {
 void Triangulator::write_points(int row, std::span<const std::uint8_t> flies) {
   const DepthRow& depths = depths_[static_cast<std::size_t>(row) % 2];
   const std::size_t at = static_cast<std::size_t>(row) * static_cast<std::size_t>(cols_);
-  const RowCounts counted = point_row(&ray_u_[at], &ray_v_[at], depths.depth_mm.data(), depths.sigma_mm.data(),
-                                      flies.data(), state_.row(row), cols_, point_mm_[at].data(), &sigma_mm_[at]);
+  const RowCounts counted =
+      point_row(rays_by_curves_ ? rays_.row(row) : RayRow{.u = &ray_u_[at], .v = &ray_v_[at]}, depths.depth_mm.data(),
+                depths.sigma_mm.data(), flies.data(), state_.row(row), cols_, point_mm_[at].data(), &sigma_mm_[at]);
   counts_.points += counted.points;
   counts_.flying += counted.flying;
   counts_.outside_projector += counted.coded - counted.points - counted.flying;

@@ -10,7 +10,9 @@
 #include "base/stages.hpp"
 #include "contract/calibration.hpp"
 #include "range/axis_kernel.hpp"
+#include "range/depth_curves.hpp"
 #include "range/edge_filter.hpp"
+#include "range/ray_curves.hpp"
 
 namespace beltpick::range {
 
@@ -56,6 +58,8 @@ class Triangulator {
   };
   [[nodiscard]] AxisInput input(Axis axis, const CodeImage& band, int band_row, int row) const;
   void measure_row(const CodeImage& band, int band_row, int row);
+  // The depths of one axis, by curves where they fit.
+  void measure_axis(Axis axis, const CodeImage& band, int band_row, int row, const DepthRow& out);
   // The depths of both axes, with the better one of each pixel in `out`.
   void measure_both(const CodeImage& band, int band_row, int row, const DepthRow& out);
   void write_points(int row, std::span<const std::uint8_t> flies);
@@ -68,6 +72,10 @@ class Triangulator {
   std::array<DepthRow, 2> depths_;      // of even and of odd rows
   EdgeFilter edges_;
   std::array<AxisModel, 2> models_;
+  std::array<DepthCurves, 2> curves_;  // by Axis
+  RayCurves rays_;
+  std::array<bool, 2> by_curves_{};  // by Axis: they fit
+  bool rays_by_curves_ = false;
   int rows_ = 0, cols_ = 0;
   float focal_px_ = 1.0F;
   ImageView<PixelState> state_;
