@@ -31,18 +31,21 @@ BeltCamera::BeltCamera(const PartPool& pool, int width, int height, double noise
       pixels_(static_cast<std::size_t>(width) * static_cast<std::size_t>(height)) {}
 
 SeenScene BeltCamera::look(const ScenePlan& plan, Machine& machine) {
-  const vc::Scene scene = maker_.make(std::span(plan.lays), plan.scene_seed);
+  return look(maker_.make(std::span(plan.lays), plan.scene_seed), plan.scene_seed,
+              plan.rendered ? Seeing::kRendered : Seeing::kCast, machine);
+}
+
+SeenScene BeltCamera::look(const vc::Scene& scene, std::uint64_t seed, Seeing seeing, Machine& machine) {
   const auto instances = vc::instances_of(scene, rig_);
   SeenScene seen;
   for (const vc::BeltPart& placed : scene) seen.part.push_back(placed.part);
   std::vector<double> visible;
-  if (plan.rendered) {
-    seen.range = render(instances, plan.scene_seed, machine);
+  if (seeing == Seeing::kRendered) {
+    seen.range = render(instances, seed, machine);
     seen.instances = renderer_->true_instances();
     visible = renderer_->visible_fractions();
   } else {
-    seen.range = noise_mm_ > 0.0 ? caster_.cast_points(instances, plan.scene_seed, noise_mm_)
-                                 : caster_.cast(instances, plan.scene_seed);
+    seen.range = noise_mm_ > 0.0 ? caster_.cast_points(instances, seed, noise_mm_) : caster_.cast(instances, seed);
     seen.instances = caster_.instances();
     visible = caster_.visible_fractions();
   }

@@ -22,6 +22,9 @@ struct SeenScene {
   RangeImage range;
 };
 
+// How a scene becomes a range image: every frame exposed, folded and decoded, or the codes cast.
+enum class Seeing : std::uint8_t { kRendered, kCast };
+
 class BeltCamera {
  public:
   // `noise_mm`: of the points of scenes that are not rendered; 0: by the noise law.
@@ -29,8 +32,11 @@ class BeltCamera {
 
   // The views stay good until the next call.
   SeenScene look(const ScenePlan& plan, Machine& machine);
+  SeenScene look(const virtual_cell::Scene& scene, std::uint64_t seed, Seeing seeing, Machine& machine);
 
   [[nodiscard]] const Calibration& calibration() const { return calibration_; }
+  [[nodiscard]] const virtual_cell::Rig& rig() const { return rig_; }
+  [[nodiscard]] const virtual_cell::SceneMaker& maker() const { return maker_; }
 
  private:
   RangeImage render(std::span<const virtual_cell::PartInstance> instances, std::uint64_t seed, Machine& machine);

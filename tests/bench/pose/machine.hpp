@@ -8,13 +8,15 @@
 namespace beltpick::bench {
 
 struct Machine {
+  Limits limits;
   ArenaBlock block;
   Arena arena;
   pipeline::Measure measure;
   pipeline::Pipeline pipeline;
 
-  explicit Machine(const Limits& limits, int workers = 1)
-      : block(bytes(limits, workers)),
+  explicit Machine(const Limits& declared, int workers = 1)
+      : limits(declared),
+        block(bytes(limits, workers)),
         arena(block.data(), block.bytes()),
         measure(arena, limits),
         pipeline(arena, limits, workers) {}

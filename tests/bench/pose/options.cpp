@@ -32,6 +32,8 @@ void take(Options& options, const std::string& name, const std::string& value) {
     options.scenes = number<int>(name, value);
   } else if (name == "--first") {
     options.first_scene = number<int>(name, value);
+  } else if (name == "--stride") {
+    options.stride = number<int>(name, value);
   } else if (name == "--records") {
     options.records = value;
   } else if (name == "--jobs") {
@@ -88,8 +90,15 @@ Options read_options(int argc, char** argv) {
   }
   if (options.scene) options.first_scene = *options.scene, options.scenes = options.jobs = 1;
   if (!options.explain.empty() && !options.scene) throw std::runtime_error("--explain: expected --scene K beside it");
-  if (options.jobs < 1 || options.scenes < 1) throw std::runtime_error("--jobs, --scenes: expected at least 1");
+  if (options.jobs < 1 || options.scenes < 1 || options.stride < 1)
+    throw std::runtime_error("--jobs, --scenes, --stride: expected at least 1");
   return options;
+}
+
+std::vector<int> scene_numbers(const Options& options) {
+  std::vector<int> numbers;
+  for (int i = 0; i < options.scenes; ++i) numbers.push_back(options.first_scene + i * options.stride);
+  return numbers;
 }
 
 }  // namespace beltpick::bench

@@ -12,7 +12,7 @@ namespace beltpick::bench {
 struct Options {
   std::vector<std::string> families{"knuckle", "elbow", "bracket", "balljoint", "sheet"};
   std::uint64_t seed = 1;
-  int first_scene = 0, scenes = 100;
+  int first_scene = 0, scenes = 100, stride = 1;
   int jobs = 2;
   int rendered_every = 10;
   std::vector<std::string> kinds;  // of scenes; empty: all
@@ -34,6 +34,9 @@ inline constexpr const char* kHelp =
     "  --seed S            of the run (default 1)\n"
     "  --scenes N          how many (default 100), of three to seven parts each\n"
     "  --first K           the number of the first (default 0): ranges of one seed add up\n"
+    "  --stride N          every N-th only: ten in a row have the same templates, so 10 gives as many kinds and "
+    "families\n"
+    "                      as scenes\n"
     "  --rendered-every N  of N lots of ten scenes one is rendered frame by frame and decoded, its parts settled\n"
     "                      (default 10; 1 all, 0 none); of the others the codes are cast, by the measured noise law\n"
     "  --kinds A,B         only such scenes: apart, heap, mixed, foreign, twins (default all)\n"
@@ -58,10 +61,13 @@ inline constexpr const char* kHelp =
     "  one scene       bench_pose --seed 3 --scene 17 --explain scene17\n"
     "  accuracy        bench_pose --seed 3 --scenes 100 --kinds apart --noise-mm 0.05 --rendered-every 0\n"
     "  one core        bench_pose --seed 3 --scenes 30 --kinds apart --parts 3 --rendered-every 1 --jobs 1\n"
-    "  peers           bench_pose --peers --seed 3 --scenes 20 --kinds apart,heap\n"
+    "  peers           bench_pose --peers --seed 3 --scenes 20 --stride 10 --kinds apart,heap\n"
     "  two cores       the same with --workers 2\n";
 
 // Throws std::runtime_error with what is wrong.
 Options read_options(int argc, char** argv);
+
+// The numbers of the scenes that are asked for, rising.
+std::vector<int> scene_numbers(const Options& options);
 
 }  // namespace beltpick::bench

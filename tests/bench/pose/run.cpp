@@ -1,12 +1,15 @@
 #include "bench/pose/run.hpp"
 
+#include <sys/mman.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cstdio>
 #include <fstream>
 #include <map>
+#include <new>
 #include <stdexcept>
 
 #include "bench/pose/scene_bench.hpp"
@@ -28,13 +31,45 @@ SceneRecord run_scene(SceneBench& bench, const Options& options, const PartPool&
   return record;
 }
 
-// Runs every jobs-th lot of scenes, those of equal templates together, and writes their records to `out`.
-void work(const Options& options, const PartPool& pool, const std::vector<int>& scenes, int job, FILE* out) {
-  SceneBench bench(options, pool);
+// Scenes of equal templates, which one process loads once.
+using Lot = std::vector<int>;
+
+std::vector<Lot> lots_of(const std::vector<int>& scenes) {
+  std::vector<Lot> lots;
   for (const int k : scenes) {
-    if ((k / kScenesAlike) % options.jobs != job) continue;
-    std::fputs((to_line(run_scene(bench, options, pool, k)) + "\n").c_str(), out);
-    std::fflush(out);
+    if (lots.empty() || lots.back().back() / kScenesAlike != k / kScenesAlike) lots.emplace_back();
+    lots.back().push_back(k);
+  }
+  return lots;
+}
+
+// A number that all processes count up: the next lot to be taken.
+class SharedCount {
+ public:
+  SharedCount() : memory_(mmap(nullptr, sizeof(Count), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0)) {
+    if (memory_ == MAP_FAILED) throw std::runtime_error("no memory to share");
+    count_ = new (memory_) Count(0);
+  }
+  ~SharedCount() { munmap(memory_, sizeof(Count)); }
+  SharedCount(const SharedCount&) = delete;
+  SharedCount& operator=(const SharedCount&) = delete;
+
+  std::size_t take() { return count_->fetch_add(1); }
+
+ private:
+  using Count = std::atomic<std::size_t>;
+  void* memory_;
+  Count* count_ = nullptr;
+};
+
+// Runs one lot after the other, as long as there is one that no other process took, and writes their records to `out`.
+void work(const Options& options, const PartPool& pool, const std::vector<Lot>& lots, SharedCount& next, FILE* out) {
+  SceneBench bench(options, pool);
+  for (std::size_t lot = next.take(); lot < lots.size(); lot = next.take()) {
+    for (const int k : lots[lot]) {
+      std::fputs((to_line(run_scene(bench, options, pool, k)) + "\n").c_str(), out);
+      std::fflush(out);
+    }
   }
 }
 
@@ -52,13 +87,12 @@ void tell(const SceneRecord& record, std::size_t done, std::size_t all) {
   }
 }
 
-std::map<int, SceneRecord> kept(const Options& options) {
+std::map<int, SceneRecord> kept(const Options& options, const std::vector<int>& asked) {
   std::map<int, SceneRecord> records;
   std::ifstream file(options.records);
   for (std::string line; std::getline(file, line);) {
     const SceneRecord record = from_line(line);
-    if (record.scene >= options.first_scene && record.scene < options.first_scene + options.scenes)
-      records[record.scene] = record;
+    if (std::binary_search(asked.begin(), asked.end(), record.scene)) records[record.scene] = record;
   }
   return records;
 }
@@ -83,11 +117,11 @@ void collect(FILE* lines, const Options& options, std::size_t left, std::map<int
 }  // namespace
 
 std::vector<SceneRecord> run_scenes(const Options& options, const PartPool& pool) {
-  std::map<int, SceneRecord> records = kept(options);
-  std::vector<int> scenes;
-  for (int k = options.first_scene; k < options.first_scene + options.scenes; ++k) {
-    if (!records.contains(k)) scenes.push_back(k);
-  }
+  std::vector<int> scenes = scene_numbers(options);
+  std::map<int, SceneRecord> records = kept(options, scenes);
+  std::erase_if(scenes, [&](int k) { return records.contains(k); });
+  const std::vector<Lot> lots = lots_of(scenes);
+  SharedCount next;
   int ends[2];
   if (pipe(ends) != 0) throw std::runtime_error("no pipe");
   std::vector<pid_t> children;
@@ -99,7 +133,7 @@ std::vector<SceneRecord> run_scenes(const Options& options, const PartPool& pool
       FILE* out = fdopen(ends[1], "w");
       int status = 0;
       try {
-        work(options, pool, scenes, job, out);
+        work(options, pool, lots, next, out);
       } catch (const std::exception& error) {
         std::fprintf(stderr, "bench_pose: %s\n", error.what());
         status = 1;

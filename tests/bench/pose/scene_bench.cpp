@@ -25,7 +25,7 @@ SceneBench::SceneBench(const Options& options, const PartPool& pool)
 
 SceneBench::Scene SceneBench::run(int k) {
   Scene scene;
-  scene.plan = plan_scene(pool_, plan_options_, k);
+  scene.plan = plan(k);
   load(scene.plan.loaded);
   const Stopwatch watch;
   scene.seen = camera_.look(scene.plan, machine_);

@@ -22,6 +22,8 @@ class SceneBench {
     double making_ms = 0.0;  // wall time until there was a range image
   };
   Scene run(int k);
+  // What will lie in it, and what will be loaded.
+  [[nodiscard]] ScenePlan plan(int k) const { return plan_scene(pool_, plan_options_, k); }
 
   [[nodiscard]] const Machine& machine() const { return machine_; }
   [[nodiscard]] const Calibration& calibration() const { return camera_.calibration(); }

@@ -2,14 +2,13 @@
 // scenes. Takes the options of bench_pose (--help) as far as they choose scenes.
 #include <algorithm>
 #include <cstdio>
-#include <exception>
 #include <map>
 
 #include "base/clock.hpp"
 #include "bench/pose/descriptors/trial.hpp"
-#include "bench/pose/need.hpp"
-#include "bench/pose/options.hpp"
 #include "bench/pose/quantile.hpp"
+#include "bench/pose/scene_bench.hpp"
+#include "bench/pose/scene_loop.hpp"
 #include "pipeline/noise.hpp"
 #include "pipeline/object_points.hpp"
 
@@ -28,53 +27,33 @@ struct Tried {
 
 class Bench {
  public:
-  Bench(const Options& options, const PartPool& pool)
-      : pool_(pool),
-        camera_(pool, options.width, options.height, options.noise_mm),
-        machine_(limits(options)),
-        trial_(limits(options)) {
-    plan_options_ = {options.seed, options.rendered_every, {}, options.parts};
-    for (const std::string& kind : options.kinds) plan_options_.kinds.push_back(scene_kind(kind));
-  }
+  Bench(const Options& options, const PartPool& pool) : bench_(options, pool), trial_(bench_.machine().limits) {}
 
   void run(int k) {
-    const ScenePlan plan = plan_scene(pool_, plan_options_, k);
-    if (plan.loaded != loaded_) load(plan);
-    const SeenScene seen = camera_.look(plan, machine_);
-    const auto located = need(machine_.pipeline.locate(
-        {seen.range, camera_.calibration().camera, pipeline::projector_position_mm(camera_.calibration()), 1}));
-    result::Scene scene{.range = seen.range,
-                        .labels = located.objects.labels,
-                        .lens = camera_.calibration().camera,
-                        .belt = located.objects.belt};
-    scene.noise_mm = pipeline::measurement_noise_mm(seen.range, located.objects.labels);
-    for (std::size_t i = 0; i < seen.truth.parts.size(); ++i) try_part(static_cast<int>(i), seen, plan, located, scene);
+    const SceneBench::Scene shown = bench_.run(k);
+    if (shown.plan.loaded != loaded_) make_spins(shown.plan);
+    result::Scene scene{.range = shown.seen.range,
+                        .labels = shown.located.objects.labels,
+                        .lens = bench_.calibration().camera,
+                        .belt = shown.located.objects.belt};
+    scene.noise_mm = pipeline::measurement_noise_mm(shown.seen.range, shown.located.objects.labels);
+    for (std::size_t i = 0; i < shown.seen.truth.parts.size(); ++i) try_part(static_cast<int>(i), shown, scene);
   }
 
   void print() const;
 
  private:
-  void load(const ScenePlan& plan) {
-    std::vector<PartTemplate> templates;
-    for (const int index : plan.loaded) templates.push_back(pool_.templates[static_cast<std::size_t>(index)]);
-    need(machine_.pipeline.load(templates));
+  void make_spins(const ScenePlan& plan) {
     loaded_ = plan.loaded;
     const Stopwatch teaching;
     spins_.clear();
-    for (const PartModel& model : machine_.pipeline.models()) spins_.emplace_back(model, SpinOptions{});
+    for (const PartModel& model : bench_.machine().pipeline.models()) spins_.emplace_back(model, SpinOptions{});
     teach_ms_ = teaching.elapsed_ms() / static_cast<double>(spins_.size());
   }
 
-  static Limits limits(const Options& options) {
-    Limits limits;
-    limits.image_width = options.width;
-    limits.image_height = options.height;
-    return limits;
-  }
-
   // The part's object, where the product's segmentation gives it one that is nothing else's.
-  void try_part(int i, const SeenScene& seen, const ScenePlan& plan, const pipeline::Located& located,
-                const result::Scene& scene) {
+  void try_part(int i, const SceneBench::Scene& shown, const result::Scene& scene) {
+    const auto& [plan, seen, located, making_ms] = shown;
     const auto& truth = seen.truth.parts[static_cast<std::size_t>(i)];
     const auto loaded = std::find(plan.loaded.begin(), plan.loaded.end(), seen.part[static_cast<std::size_t>(i)]);
     if (loaded == plan.loaded.end() || truth.visible_fraction < kLeastVisible) return;
@@ -87,7 +66,7 @@ class Bench {
     object.sample.resize(4096);
     object.sample.resize(pipeline::sample_object(seen.range, located.objects.labels, pixels, 1000, 1, object.sample));
     if (object.sample.size() < 60) return;
-    object.model = &machine_.pipeline.models()[model];
+    object.model = &bench_.machine().pipeline.models()[model];
     object.truth = truth.T_camera_part;
     object.noise_mm = scene.noise_mm;
     results_.push_back({truth.part, trial_.run(object, scene, spins_[model])});
@@ -110,10 +89,7 @@ class Bench {
     return nullptr;
   }
 
-  const PartPool& pool_;
-  PlanOptions plan_options_;
-  BeltCamera camera_;
-  Machine machine_;
+  SceneBench bench_;
   Trial trial_;
   std::vector<int> loaded_;
   std::vector<SpinModel> spins_;  // of the loaded parts
@@ -148,20 +124,5 @@ void Bench::print() const {
 }  // namespace beltpick::bench
 
 int main(int argc, char** argv) {
-  using namespace beltpick::bench;
-  try {
-    const Options options = read_options(argc, argv);
-    const PartPool pool = make_part_pool(options.families, options.templates);
-    Bench bench(options, pool);
-    for (int k = options.first_scene; k < options.first_scene + options.scenes; ++k) {
-      std::fprintf(stderr, "\r%d/%d", k - options.first_scene, options.scenes);
-      bench.run(k);
-    }
-    std::fputs("\r", stderr);
-    bench.print();
-    return 0;
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "bench_pose_descriptors: %s\n", error.what());
-    return 1;
-  }
+  return beltpick::bench::run_scene_loop<beltpick::bench::Bench>("bench_pose_descriptors", argc, argv);
 }

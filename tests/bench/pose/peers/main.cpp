@@ -5,11 +5,15 @@
 // that shows most of it. The peers get 1000 of its points with normals and the template. VTK and PCL need a start: they
 // get the best of the product's search over all views of the part (162 views x 24 turns, as the paper's search but
 // finer): VTK, as in the paper, the best one; PCL the best three, and keeps what fits best. That search's time is
-// counted for them. The peers always answer; the product may withhold. Errors count at the part's first grasp.
+// counted for them. OpenCV's detectors are trained before the first scene, --jobs at a time; that is not counted.
+// The peers always answer; the product may withhold. Errors count at the part's first grasp.
 #include <algorithm>
+#include <atomic>
 #include <cstdio>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <set>
+#include <thread>
 
 #include "base/clock.hpp"
 #include "bench/pose/judge.hpp"
@@ -18,6 +22,7 @@
 #include "bench/pose/peers/vtk_peer.hpp"
 #include "bench/pose/quantile.hpp"
 #include "bench/pose/scene_bench.hpp"
+#include "bench/pose/scene_loop.hpp"
 #include "pipeline/object_points.hpp"
 #include "search/views.hpp"
 
@@ -37,14 +42,25 @@ struct Row {
 
 class Contest {
  public:
-  Contest(const Options& options, const PartPool& pool) : options_(options), pool_(pool), bench_(options, pool) {}
+  Contest(const Options& options, const PartPool& pool) : options_(options), pool_(pool), bench_(options, pool) {
+    train();
+  }
 
-  void run() {
-    for (int k = options_.first_scene; k < options_.first_scene + options_.scenes; ++k) {
-      scene(k);
-      std::fprintf(stderr, "\r%d/%d", k - options_.first_scene + 1, options_.scenes);
+  // Scene number `k`.
+  void run(int k) {
+    const SceneBench::Scene scene = bench_.run(k);
+    const std::vector<int>& loaded = scene.plan.loaded;
+    for (std::size_t i = 0; i < scene.seen.part.size(); ++i) {
+      const auto at = std::find(loaded.begin(), loaded.end(), scene.seen.part[i]);
+      const ShownPart here = shown_part(scene.seen, scene.located, static_cast<int>(i));
+      const double measured = scene.seen.truth.parts[i].visible_fraction * here.measured_share();
+      if (at == loaded.end() || here.segment == 0 || measured < kLeastMeasured) continue;
+      ++objects_;
+      const auto model_index = static_cast<int>(at - loaded.begin());
+      const PartPose& truth = scene.seen.truth.parts[i].T_camera_part;
+      judge_product(scene.located, model_index, truth, here.segment);
+      run_peers(scene, here.segment, scene.seen.part[i], model_index, truth);
     }
-    std::fputs("\r", stderr);
   }
 
   void print() const {
@@ -68,20 +84,26 @@ class Contest {
   }
 
  private:
-  void scene(int k) {
-    const SceneBench::Scene scene = bench_.run(k);
-    const std::vector<int>& loaded = scene.plan.loaded;
-    for (std::size_t i = 0; i < scene.seen.part.size(); ++i) {
-      const auto at = std::find(loaded.begin(), loaded.end(), scene.seen.part[i]);
-      const ShownPart here = shown_part(scene.seen, scene.located, static_cast<int>(i));
-      const double measured = scene.seen.truth.parts[i].visible_fraction * here.measured_share();
-      if (at == loaded.end() || here.segment == 0 || measured < kLeastMeasured) continue;
-      ++objects_;
-      const auto model_index = static_cast<int>(at - loaded.begin());
-      const PartPose& truth = scene.seen.truth.parts[i].T_camera_part;
-      judge_product(scene.located, model_index, truth, here.segment);
-      run_peers(scene, here.segment, scene.seen.part[i], model_index, truth);
+  // OpenCV's detectors of all parts whose templates some scene loads.
+  void train() {
+    std::set<int> needed;
+    for (const int k : scene_numbers(options_)) {
+      for (const int part : bench_.plan(k).loaded) needed.insert(part);
     }
+    for (const int part : needed) detectors_.emplace(part, pool_.templates[static_cast<std::size_t>(part)]);
+    std::atomic<std::size_t> next{0};
+    const auto work = [&] {
+      for (std::size_t at = next++; at < detectors_.size(); at = next++) {
+        const auto detector = std::next(detectors_.begin(), static_cast<std::ptrdiff_t>(at));
+        const Stopwatch watch;
+        detector->second.train();
+        std::fprintf(stderr, "OpenCV's detector for %s is trained: %.1f s\n",
+                     pool_.templates[static_cast<std::size_t>(detector->first)].name.c_str(),
+                     watch.elapsed_ms() / 1000.0);
+      }
+    };
+    std::vector<std::jthread> threads;
+    for (int job = 0; job < options_.jobs; ++job) threads.emplace_back(work);
   }
 
   // Right or wrong by the pose offered that lies nearest to the part, within half its size.
@@ -116,11 +138,6 @@ class Contest {
     object.starts = starts(object, model);
     const double search_ms = searching.elapsed_ms();
     search_ms_.push_back(search_ms);
-    auto detector = detectors_.find(part);
-    if (detector == detectors_.end()) {
-      std::fprintf(stderr, "\rtraining OpenCV's detector for %s\n", object.part->name.c_str());
-      detector = detectors_.emplace(part, OpencvPpf(*object.part)).first;
-    }
     const auto enter = [&](Row& row, double more_ms, auto&& solve) {
       const Stopwatch watch;
       const PeerFit fit = solve();
@@ -129,7 +146,7 @@ class Contest {
     };
     enter(rows_[1], search_ms, [&] { return object.starts.empty() ? PeerFit{} : vtk_icp(object); });
     enter(rows_[2], search_ms, [&] { return pcl_icp(object); });
-    enter(rows_[3], 0.0, [&] { return detector->second.match(object); });
+    enter(rows_[3], 0.0, [&] { return detectors_.at(part).match(object); });
   }
 
   static std::vector<PartPose> starts(const PeerObject& object, const PartModel& model) {
@@ -159,16 +176,5 @@ class Contest {
 }  // namespace beltpick::bench
 
 int main(int argc, char** argv) {
-  using namespace beltpick::bench;
-  try {
-    const Options options = read_options(argc, argv);
-    const PartPool pool = make_part_pool(options.families, options.templates);
-    Contest contest(options, pool);
-    contest.run();
-    contest.print();
-    return 0;
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "bench_pose_peers: %s\n", error.what());
-    return 1;
-  }
+  return beltpick::bench::run_scene_loop<beltpick::bench::Contest>("bench_pose_peers", argc, argv);
 }

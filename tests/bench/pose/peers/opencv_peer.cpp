@@ -7,8 +7,10 @@
 namespace beltpick::bench {
 namespace {
 
-constexpr double kSamplingStep = 0.04, kDistanceStep = 0.05;  // of the part's diameter
-constexpr double kSceneStep = 1.0 / 5.0, kSceneDistance = 0.03;
+// Those of the example in its own documentation; steps in shares of the part's diameter. Finer sampling (0.04) makes
+// training take minutes a part.
+constexpr double kSamplingStep = 0.06, kDistanceStep = 0.06;
+constexpr double kSceneStep = 1.0 / 5.0, kSceneDistance = 0.06;
 constexpr int kIcpIterations = 100;
 constexpr float kIcpTolerance = 0.005F, kIcpReject = 2.5F;
 constexpr int kIcpLevels = 8;
@@ -28,10 +30,11 @@ OpencvPpf::OpencvPpf(const PartTemplate& part) : state_(std::make_unique<State>(
   state_->model.create(static_cast<int>(part.point_mm.size()), 6, CV_32F);
   for (std::size_t i = 0; i < part.point_mm.size(); ++i)
     put(state_->model, static_cast<int>(i), part.point_mm[i], part.normal[i]);
-  state_->detector.trainModel(state_->model);
 }
 OpencvPpf::~OpencvPpf() = default;
 OpencvPpf::OpencvPpf(OpencvPpf&&) noexcept = default;
+
+void OpencvPpf::train() { state_->detector.trainModel(state_->model); }
 
 PeerFit OpencvPpf::match(const PeerObject& object) const {
   cv::Mat scene(static_cast<int>(object.sample.size()), 6, CV_32F);

@@ -9,10 +9,13 @@ namespace beltpick::bench {
 
 class OpencvPpf {
  public:
-  // Trains: some ten seconds.
+  // To be trained before it matches.
   explicit OpencvPpf(const PartTemplate& part);
   ~OpencvPpf();
   OpencvPpf(OpencvPpf&&) noexcept;
+
+  // Takes some ten seconds a part.
+  void train();
 
   // Needs no start.
   [[nodiscard]] PeerFit match(const PeerObject& object) const;
