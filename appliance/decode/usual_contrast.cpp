@@ -10,6 +10,7 @@ template <class Pixel>
 float measure_contrast(const RowContext& context, RowScratch& scratch, const ExposurePlan& exposure,
                        const AxisPlan& axis) {
   constexpr int kRows = 24;
+  constexpr std::size_t kColsApart = 3;  // neighbours tell the same
   constexpr int kBins = 128;
   constexpr float kLeastAmplitude8 = 10.0F;
   constexpr int kLeastPixels = 200;
@@ -20,7 +21,7 @@ float measure_contrast(const RowContext& context, RowScratch& scratch, const Exp
     gather_levels<Pixel>(context, exposure.reference, scratch, row);
     gather_fringe<Pixel>(context, axis.channels[0], scratch.turn[0], scratch.amplitude8[0], row);
     const auto* flags = context.store.row<const std::uint8_t>(context.plan->flags_plane, row);
-    for (std::size_t i = 0; i < static_cast<std::size_t>(context.cols); ++i) {
+    for (std::size_t i = 0; i < static_cast<std::size_t>(context.cols); i += kColsApart) {
       if (scratch.amplitude8[0][i] < kLeastAmplitude8 || (flags[i] & exposure.saturation_bit) != 0) continue;
       const float contrast = scratch.amplitude8[0][i] / std::max(scratch.half8[i], 1.0F);
       ++counts[static_cast<std::size_t>(std::min(contrast * 0.5F, 0.999F) * kBins)];
