@@ -33,12 +33,19 @@ CrossPose aligned(const ScanView& model, const ScanView& scan, const CrossPose& 
   return {poses[1].rotation, poses[1].translation_mm};
 }
 
-// Aligns all in `stages`, and keeps those that then fit best.
+// Aligns all in `stages`, and keeps those that then fit best. Where two scans share little, the wide stages draw a good
+// pose away: what the other has not seen is laid on whatever is near, and contradicts. So each is aligned from every
+// stage on, and not at all, and the best of it stays.
 void align_all(const ScanView& model, const ScanView& scan, std::span<const AdjustStage> stages,
                const AgreementLimits& limits, std::size_t most, std::vector<Fit>& fits) {
   for (Fit& fit : fits) {
-    fit.T_model_scan = aligned(model, scan, fit.T_model_scan, stages);
-    fit.agreement = mutual(model, scan, fit.T_model_scan, limits);
+    const CrossPose start = fit.T_model_scan;
+    fit.agreement = mutual(model, scan, start, limits);
+    for (std::size_t first = 0; first < stages.size(); ++first) {
+      const CrossPose moved = aligned(model, scan, start, stages.subspan(first));
+      const Fit found{moved, mutual(model, scan, moved, limits)};
+      if (better(found, fit)) fit = found;
+    }
   }
   keep_best(fits, most);
 }
