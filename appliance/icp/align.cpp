@@ -38,8 +38,9 @@ PartPose moved(const PartPose& T_camera_part, const Vec6& step, const Vec3& cent
   const Vec3 shift = step.tail<3>();
   const Pose<frame::Part, frame::Part> motion{rotation, centre + shift - rotation * centre};
   PartPose next = T_camera_part * motion.inverse();
-  // Products of many rotations drift from being one.
-  next.rotation = Eigen::Quaterniond(next.rotation).normalized().toRotationMatrix();
+  // Products of many rotations drift from being one. A mirror image stays one.
+  const double handed = next.rotation.determinant() < 0.0 ? -1.0 : 1.0;
+  next.rotation = handed * Eigen::Quaterniond(Mat3(handed * next.rotation)).normalized().toRotationMatrix();
   return next;
 }
 

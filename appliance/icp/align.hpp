@@ -40,6 +40,8 @@ struct Noise {
 //
 // `outline`: taken as they are in every stage, within the stage's radius.
 //
+// A pose whose rotation has determinant -1, the part's mirror image, keeps it; its covariance means nothing.
+//
 // In the result: rms_mm and inlier_share of the last stage; the covariance is that of a small motion in the camera
 // frame, a rotation vector about the centre of the part's box and a translation of it.
 Alignment align(std::span<const OrientedPoint> sample, const PartModel& model, const PartPose& initial,

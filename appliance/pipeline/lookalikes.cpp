@@ -1,6 +1,7 @@
 #include "pipeline/lookalikes.hpp"
 
 #include <array>
+#include <cmath>
 
 #include "base/units.hpp"
 
@@ -13,6 +14,9 @@ using Turn = Pose<frame::Part, frame::Part>;
 constexpr std::array<double, 11> kTurns_deg{45, 60, 90, 120, 135, 180, 225, 240, 270, 300, 315};
 // Before it is aligned anew a lookalike may fit worse by this share of the part's diagonal.
 constexpr double kWorseShare = 0.015;
+
+constexpr double kParallel = 0.99;      // least cosine between two faces of a wall
+constexpr double kClearlyAcross = 0.5;  // least part of a box's axis that lies across a bore's
 
 // What a point off the part counts, as in the search.
 constexpr double kCapShare = 0.08;
@@ -31,6 +35,23 @@ void offer(const PartModel& model, const result::PartPose& pose, const search::S
            search::HypothesisPool& pool) {
   const float mean = mean_mm(model, pose, sample, worst_mm);
   if (mean < worst_mm) pool.offer({pose, mean});
+}
+
+// Calls `lay` with each of the 24 turns that take a box's axes to its axes, or, for handed -1, with their mirror
+// images.
+template <class Lay>
+void for_ways_to_lie(double handed, const Lay& lay) {
+  for (int x = 0; x < 3; ++x) {
+    for (int step = 1; step <= 2; ++step) {
+      for (int signs = 0; signs < 4; ++signs) {
+        Mat3 way;
+        way.row(0) = Vec3::Unit(x).transpose() * (signs % 2 == 0 ? 1.0 : -1.0);
+        way.row(1) = Vec3::Unit((x + step) % 3).transpose() * (signs / 2 == 0 ? 1.0 : -1.0);
+        way.row(2) = handed * way.row(0).cross(way.row(1));
+        lay(way);
+      }
+    }
+  }
 }
 
 }  // namespace
@@ -55,17 +76,33 @@ void offer_turns(const PartModel& model, const result::PartPose& T_camera_part, 
 void offer_other(const PartModel& model, const result::PartPose& T_camera_part, const PartModel& other,
                  const search::SearchSample& sample, search::HypothesisPool& pool) {
   const float worst = worst_mm(model, T_camera_part, sample);
-  const Vec3 centre_mm = T_camera_part * model.centre_mm;
-  for (int x = 0; x < 3; ++x) {
-    for (int step = 1; step <= 2; ++step) {
-      for (int signs = 0; signs < 4; ++signs) {
-        Mat3 turn;
-        turn.row(0) = Vec3::Unit(x).transpose() * (signs % 2 == 0 ? 1.0 : -1.0);
-        turn.row(1) = Vec3::Unit((x + step) % 3).transpose() * (signs / 2 == 0 ? 1.0 : -1.0);
-        turn.row(2) = turn.row(0).cross(turn.row(1));
-        const Mat3 rotation = T_camera_part.rotation * turn;
-        offer(other, {rotation, centre_mm - rotation * other.centre_mm}, sample, worst, pool);
-      }
+  for_ways_to_lie(1.0, [&](const Mat3& way) {
+    const Mat3 rotation = T_camera_part.rotation * way;
+    offer(other, {rotation, T_camera_part * model.centre_mm - rotation * other.centre_mm}, sample, worst, pool);
+  });
+}
+
+void offer_mirrored(const PartModel& model, const result::PartPose& T_camera_part, const search::SearchSample& sample,
+                    search::HypothesisPool& pool) {
+  const float worst = worst_mm(model, T_camera_part, sample);
+  const auto reflect = [&](const Mat3& reflection, const Vec3& about_mm) {
+    offer(model, T_camera_part * Turn{reflection, about_mm - reflection * about_mm}, sample, worst, pool);
+  };
+  for_ways_to_lie(-1.0, [&](const Mat3& way) { reflect(way, model.centre_mm); });
+  const auto reflect_across = [&](const Vec3& normal, const Vec3& about_mm) {
+    reflect(Mat3::Identity() - 2.0 * normal * normal.transpose(), about_mm);
+  };
+  for (const Primitive& first : model.taught()) {
+    const Vec3 direction = first.direction.normalized();
+    for (int axis = 0; first.kind == PrimitiveKind::kCylinder && axis < 3; ++axis) {
+      const Vec3 across = Vec3::Unit(axis) - direction * direction.dot(Vec3::Unit(axis));
+      if (across.norm() > kClearlyAcross) reflect_across(across.normalized(), first.point_mm);
+    }
+    // The two faces of a wall change places: what stood before it stands behind it.
+    for (const Primitive& second : model.taught()) {
+      if (&second <= &first || first.kind != PrimitiveKind::kPlane || second.kind != PrimitiveKind::kPlane) continue;
+      if (std::abs(direction.dot(second.direction.normalized())) < kParallel) continue;
+      reflect_across(direction, 0.5 * (first.point_mm + second.point_mm));
     }
   }
 }

@@ -1,5 +1,6 @@
 // Lookalikes: other poses that put nearly the same surface where an object is: the part turned about an axis of its
-// own, or another part laid into its box. A search that found one of them need not have met the others.
+// own, its mirror image, or another part laid into its box. A search that found one of them need not have met the
+// others.
 #pragma once
 
 #include "contract/part_model.hpp"
@@ -16,5 +17,11 @@ void offer_turns(const PartModel& model, const result::PartPose& T_camera_part, 
 // Offers those of the 24 ways to lay the other part into the part's box that still explain the sample.
 void offer_other(const PartModel& model, const result::PartPose& T_camera_part, const PartModel& other,
                  const search::SearchSample& sample, search::HypothesisPool& pool);
+
+// Offers those mirror images of the part, about planes of its box and its bores and between the faces of its walls,
+// that still explain the sample. Their rotations have determinant -1: no motion brings the part there, but its mirror
+// twin, whose template need not be loaded, may lie so.
+void offer_mirrored(const PartModel& model, const result::PartPose& T_camera_part, const search::SearchSample& sample,
+                    search::HypothesisPool& pool);
 
 }  // namespace beltpick::pipeline

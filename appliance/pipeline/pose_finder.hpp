@@ -73,6 +73,7 @@ class PoseFinder {
   void add_challenger(const Context& context, const Candidate& champion, Candidate& other);
   Result<void> trial(const Context& context, const Candidate& champion, int index);
   bool beats_rivals(const Context& context, const Candidate& champion, int index);
+  [[nodiscard]] bool beats_mirror_image(const Context& context, const Candidate& champion);
   void sort_by_strength();
 
   std::span<OrientedPoint> sample_;

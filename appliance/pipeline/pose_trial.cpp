@@ -1,5 +1,6 @@
 // The judging half of PoseFinder: of the candidates found, which one is believed.
 #include <algorithm>
+#include <cmath>
 
 #include "base/units.hpp"
 #include "contract/result_codes.hpp"
@@ -21,6 +22,10 @@ constexpr int kFinishedRivals = 8;
 
 // Of each model, how many poses are tried that put nearly the same surface there.
 constexpr std::size_t kLookalikes = 3;
+constexpr std::size_t kMirrorImages = 4;
+
+// A part that its mirror image covers to this share has no handedness worth telling.
+constexpr double kSameSurfaceShare = 0.98;
 
 // Along a freedom that is not held firmly other poses are looked for, so far away on the part's rim.
 constexpr std::array<double, 6> kExplored_mm{2.5, -2.5, 6.0, -6.0, 14.0, -14.0};
@@ -28,6 +33,21 @@ constexpr std::array<double, 6> kExplored_mm{2.5, -2.5, 6.0, -6.0, 14.0, -14.0};
 result::Region both(const result::Region& a, const result::Region& b) {
   return {std::min(a.row_min, b.row_min), std::max(a.row_max, b.row_max), std::min(a.col_min, b.col_min),
           std::max(a.col_max, b.col_max)};
+}
+
+// Whether the part in both poses, one of them mirrored, is the same surface: it has a plane of symmetry there.
+bool same_surface(const PartModel& model, const result::PartPose& mirrored, const result::PartPose& pose,
+                  float tolerance_mm) {
+  const auto across = pose.inverse() * mirrored;
+  const Eigen::Matrix3f rotation = across.rotation.cast<float>();
+  const Vec3f translation = across.translation_mm.cast<float>();
+  const auto on_surface = std::count_if(model.scattered.begin(), model.scattered.end(), [&](std::uint16_t index) {
+    const Vec3f at = rotation * model.surface[index].point_mm + translation;
+    const OrientedPoint& nearest = model.nearest(at);
+    return std::abs(nearest.normal.dot(at - nearest.point_mm)) < tolerance_mm &&
+           (at - nearest.point_mm).norm() < 2.0F * model.spacing_mm + tolerance_mm;
+  });
+  return static_cast<double>(on_surface) >= kSameSurfaceShare * static_cast<double>(model.scattered.size());
 }
 
 }  // namespace
@@ -63,6 +83,10 @@ Attempt PoseFinder::decide(const Context& context) {
     auto verdict = trial(context, champion, i);
     if ((verdict || only_blemished(context, champion)) && challenge(context, champion))
       verdict = trial(context, champion, kNoIndex);
+    if (verdict && !beats_mirror_image(context, champion)) {
+      verdict = failure(ResultCode::kPoseAmbiguous,
+                        "the part's mirror image fits as well; wait for a view of what tells them apart");
+    }
     if (trace_ != nullptr) trace_->judged(champion, verdict);
     if (verdict || first || verdict.error().code == ResultCode::kPoseAmbiguous) {
       attempt.best = champion;
@@ -182,6 +206,34 @@ bool PoseFinder::beats_rivals(const Context& context, const Candidate& champion,
     const result::Rivalry rivalry =
         result::compare({model, champion.alignment.T_camera_part}, {other, rival.alignment.T_camera_part},
                         context.scene, both(champion.region, rival.region), 1);
+    if (trace_ != nullptr) trace_->compared(champion, rival, rivalry);
+    if (rivalry.same_object() && !result::prevails(rivalry)) return false;
+  }
+  return true;
+}
+
+// A part's mirror twin need not be loaded to lie on the belt: where the mirrored part explains what was measured as
+// well, what tells them apart is hidden.
+bool PoseFinder::beats_mirror_image(const Context& context, const Candidate& champion) {
+  const auto& model = context.models[static_cast<std::size_t>(champion.model_index)];
+  const auto tolerance_mm = static_cast<float>(2.0 * result::surface_tolerance_mm(context.scene, model.spacing_mm));
+  const result::PartPose& pose = champion.alignment.T_camera_part;
+  search::HypothesisPool pool(pool_storage_);
+  offer_mirrored(model, pose, search::SearchSample(std::span<const OrientedPoint>(support_).first(support_count_)),
+                 pool);
+  std::array<Hypothesis, kMirrorImages> found;
+  const std::size_t count = pool.take_distinct(model, 0.04 * model.diagonal_mm, rad_from_deg(12.0), found);
+  for (const Hypothesis& hypothesis : std::span(found).first(count)) {
+    Candidate rival;
+    rival.model_index = champion.model_index;
+    rival.hypothesis = hypothesis;
+    rival.alignment.T_camera_part = hypothesis.T_camera_part;
+    align_fully(context, rival);
+    finish(context, rival);
+    if (rival.strength < kRivalStrength * champion.strength || rival.evidence.blemishes.any()) continue;
+    if (same_surface(model, rival.alignment.T_camera_part, pose, tolerance_mm)) continue;
+    const result::Rivalry rivalry = result::compare({model, pose}, {model, rival.alignment.T_camera_part},
+                                                    context.scene, both(champion.region, rival.region), 1);
     if (trace_ != nullptr) trace_->compared(champion, rival, rivalry);
     if (rivalry.same_object() && !result::prevails(rivalry)) return false;
   }

@@ -68,6 +68,29 @@ TEST_CASE("foreign objects are withheld with a reason") {
   }
 }
 
+TEST_CASE(
+    "a mirror twin that lies on something, so that the belt does not tell which way up, is not taken for the part") {
+  Shape shape = sheet();
+  for (const double side : {1.0, -1.0}) {
+    Primitive face;
+    face.direction = side * Vec3::UnitZ();
+    face.point_mm = 1.5 * face.direction;
+    shape.primitives.push_back(face);
+  }
+  const LoadedPart loaded(shape);
+  Locator locator(test_limits(), 1);
+  // The twin with its flange up is, but for the flange, the part with its flange down.
+  for (const auto& lying : {mirrored(shape), shape}) {
+    auto pose = on_belt(lying, template_of(lying, 3000), Mat3::Identity(), 0.0, 0.0);
+    pose.translation_mm -= 35.0 * pose.translation_mm.normalized();
+    SceneImage image = render({{&lying, pose}});
+    const auto found = locator.made.locate(input_of(image), loaded.store.made.models());
+    INFO(lying.name);
+    CHECK(found.parts.size() == (lying.name == shape.name ? 1 : 0));
+    if (found.parts.empty()) CHECK(found.withheld[0].reason.code == ResultCode::kPoseAmbiguous);
+  }
+}
+
 TEST_CASE("objects that were not parted, and parts in pieces, are found all the same") {
   const Shape first = bracket(), second = knuckle();
   const LoadedPart one(first), two(second);
