@@ -80,7 +80,9 @@ LocateOutput Locator::locate(const LocateInput& input, std::span<const PartModel
     const auto objects = book_.next_round(scene, fragment_reach_mm(models));
     if (objects.empty()) break;
     search(scene, models, objects, input.seed);
+    const std::size_t known = accepted_count_;
     settle(scene, models, objects);
+    if (accepted_count_ > known) reconsider_shadowed(scene, models);
   }
   book_.next_round(scene, 0.0);
   const std::size_t withheld = book_.withheld(withheld_);
@@ -145,6 +147,7 @@ void Locator::settle(const result::Scene& scene, std::span<const PartModel> mode
     const PartModel& model = models[static_cast<std::size_t>(attempt.best.model_index)];
     drawing_.draw(model, attempt.best.alignment.T_camera_part, scene.lens);
     book_.explain(scene, model, attempt.best.alignment.T_camera_part, drawing_.region());
+    shadows_.add(model, attempt.best.alignment.T_camera_part);
     attempt.reason = {};
     attempt.stage = Stage::kRank;
   }
@@ -153,6 +156,19 @@ void Locator::settle(const result::Scene& scene, std::span<const PartModel> mode
     if (trace_ != nullptr) trace_->settled(objects[i], attempts_[i]);
   }
   claim_ambiguous(scene, models, objects);
+}
+
+// A part that was found since may have cast the shadow for whose sake a pose lacked coverage.
+void Locator::reconsider_shadowed(const result::Scene& scene, std::span<const PartModel> models) {
+  book_.reconsider([&](const Attempt& attempt) {
+    if (attempt.reason.code != ResultCode::kCoverageTooLow) return false;
+    const PartModel& model = models[static_cast<std::size_t>(attempt.best.model_index)];
+    const result::PartPose& pose = attempt.best.alignment.T_camera_part;
+    drawing_.draw(model, pose, scene.lens);
+    return result::judge(result::weigh(drawing_, model, pose, scene),
+                         result::surface_tolerance_mm(scene, model.spacing_mm), {})
+        .has_value();
+  });
 }
 
 // A part is there, though its pose cannot be told: no other part may be made of its surface.

@@ -32,6 +32,15 @@ class ObjectBook {
 
   // Keeps the attempt that came nearest to a pose, for each segment of an object that was searched in vain.
   void failed(const Object& object, const Attempt& attempt);
+  // Searches again what a pose was found of that `believes(attempt)` would now believe, having learnt more of the
+  // scene.
+  template <class Believes>
+  void reconsider(const Believes& believes) {
+    for (Entry& e : entries_.first(entry_count_)) {
+      if (e.segment.pixels == 0 || !e.nearest.failed() || e.nearest.stage != Stage::kVerify) continue;
+      if (believes(e.nearest)) e.pixels_when_new = -1;
+    }
+  }
   // That attempt, if no more will be tried with the object as it is; or null.
   [[nodiscard]] const Attempt* last_word(const Object& object) const;
 

@@ -11,6 +11,8 @@ namespace {
 
 // A part is taken to lie under the belt only beyond this depth: belts are not flat.
 constexpr double kSunk_mm = 3.0;
+// Of eight places round a missing one, so many measured as expected tell that the surface is there.
+constexpr int kLeastSpeckles = 2;
 
 struct Tolerance {
   float surface_mm;
@@ -42,6 +44,40 @@ bool in_shadow(const Scene& scene, const Vec3f& point_mm, const Vec3f& normal, c
   return scene.shadows != nullptr && scene.shadows->hides(point_mm, normal, tolerance.free_space_mm);
 }
 
+// Whether the part itself stands between its surface and the light: follows the light's path by as much as the surface
+// is away, so that nothing is passed by unseen.
+class OwnShadow {
+ public:
+  OwnShadow(const PartModel& model, const PartPose& T_camera_part, const std::optional<Vec3f>& light_mm)
+      : model_(model) {
+    const auto T_part_camera = T_camera_part.inverse();
+    rotation_ = T_part_camera.rotation.cast<float>();
+    translation_ = T_part_camera.translation_mm.cast<float>();
+    if (light_mm) light_part_mm_ = rotation_ * *light_mm + translation_;
+  }
+
+  [[nodiscard]] bool hides(const Vec3f& point_mm, const Vec3f& normal) const {
+    if (!light_part_mm_) return false;
+    const float spacing_mm = model_.spacing_mm;
+    Vec3f at = rotation_ * (point_mm + 1.5F * spacing_mm * normal) + translation_;
+    const Vec3f towards = (*light_part_mm_ - at).normalized();
+    for (int step = 0; step < kMostSteps && model_.outside_box_mm(at) < 0.0F; ++step) {
+      const float free_mm = (model_.nearest(at).point_mm - at).norm();
+      if (free_mm < 0.6F * spacing_mm) return true;
+      at += std::max(0.5F * spacing_mm, free_mm - 0.6F * spacing_mm) * towards;
+    }
+    return false;
+  }
+
+ private:
+  static constexpr int kMostSteps = 64;
+
+  const PartModel& model_;
+  Eigen::Matrix3f rotation_;
+  Vec3f translation_;
+  std::optional<Vec3f> light_part_mm_;
+};
+
 // The surface point against the pixels round it: matched if any matches, for a pose that is right may be a pixel off;
 // violated only if all agree, so that seeing past an edge is no evidence.
 class Lookup {
@@ -63,6 +99,7 @@ class Lookup {
       square_mm2 += point.area * distance * distance;
       return centre;
     }
+    if (centre == Finding::kMissing && speckled(row, col, point)) return Finding::kShadowed;
     if (centre != Finding::kViolated) return centre;
     for (const auto& [dr, dc] : {std::pair{-1, 0}, {1, 0}, {0, -1}, {0, 1}}) {
       const Finding beside = at(row + dr * reach_px_, col + dc * reach_px_, point);
@@ -72,6 +109,17 @@ class Lookup {
   }
 
  private:
+  // Whether the surface was measured here and there around: light falls on it too flat, or is thrown back too strongly,
+  // for all of it to be measured.
+  [[nodiscard]] bool speckled(int row, int col, const VisiblePoint& point) const {
+    int matched = 0;
+    for (const int away_px : {2 * reach_px_, 5 * reach_px_}) {
+      for (const auto& [dr, dc] : {std::pair{-1, 0}, {1, 0}, {0, -1}, {0, 1}})
+        matched += at(row + dr * away_px, col + dc * away_px, point) == Finding::kMatched ? 1 : 0;
+    }
+    return matched >= kLeastSpeckles;
+  }
+
   [[nodiscard]] Finding at(int row, int col, const VisiblePoint& point) const {
     if (!range_.point_mm.contains(row, col)) return Finding::kMissing;
     return compare(range_.point_mm(row, col), point.point_mm, point.normal, tolerance_);
@@ -109,6 +157,7 @@ Evidence weigh(const Drawing& drawing, const PartModel& model, const PartPose& T
          unexplained = 0.0, missing = 0.0, square_mm2 = 0.0;
   std::optional<Vec3f> light_mm;
   if (scene.light_mm) light_mm = scene.light_mm->cast<float>();
+  const OwnShadow own(model, T_camera_part, light_mm);
   for (const VisiblePoint& point : drawing.visible()) {
     if (!lit(point, light_mm)) continue;
     total += point.area;
@@ -116,7 +165,8 @@ Evidence weigh(const Drawing& drawing, const PartModel& model, const PartPose& T
     inside += point.area;
     ++evidence.points;
     Finding finding = lookup.look(point, square_mm2);
-    if (finding == Finding::kMissing && in_shadow(scene, point.point_mm, point.normal, tolerance)) {
+    if (finding == Finding::kMissing &&
+        (in_shadow(scene, point.point_mm, point.normal, tolerance) || own.hides(point.point_mm, point.normal))) {
       finding = Finding::kShadowed;
     }
     if (listener != nullptr) listener->found(point, finding);

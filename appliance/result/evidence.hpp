@@ -49,7 +49,7 @@ enum class Finding : std::uint8_t {
   kOccluded,      // something was measured clearly in front
   kContradicted,  // measured a little off the surface, in front or behind
   kMissing,       // not measured, though the light should have reached it
-  kShadowed       // not measured, and in a cast shadow
+  kShadowed       // not measured, and in a cast shadow or among places that were only just measured
 };
 inline constexpr std::size_t kFindingCount = 6;
 

@@ -40,6 +40,13 @@ void ShadowMap::cast(const RangeImage& range, const std::optional<Vec3>& light_m
   bridge_gaps();
 }
 
+void ShadowMap::add(const PartModel& model, const Pose<frame::Camera, frame::Part>& T_camera_part) {
+  if (!light_mm_) return;
+  const Eigen::Matrix3f rotation = T_camera_part.rotation.cast<float>();
+  const Vec3f translation = T_camera_part.translation_mm.cast<float>();
+  for (const OrientedPoint& surface : model.surface) stop_light(rotation * surface.point_mm + translation);
+}
+
 void ShadowMap::stop_light(const Vec3f& point_mm) {
   const Cell cell = look(point_mm);
   if (cell.row < 0) return;

@@ -10,6 +10,7 @@
 #include "base/arena.hpp"
 #include "base/stages.hpp"
 #include "contract/limits.hpp"
+#include "contract/part_model.hpp"
 
 namespace beltpick::result {
 
@@ -20,6 +21,9 @@ class ShadowMap {
   // Casts the light from `light_mm` (camera frame) on the measured points; without a light nothing is in shadow, and
   // without a belt no surface reaches down.
   void cast(const RangeImage& range, const std::optional<Vec3>& light_mm, const std::optional<Plane>& belt);
+
+  // Casts the light on a part that is known to lie there, too: on all of it, of which the camera sees one side.
+  void add(const PartModel& model, const Pose<frame::Camera, frame::Part>& T_camera_part);
 
   // Whether something was measured on the way from the light to a surface point with this normal (camera frame), more
   // than `margin_mm` before it.

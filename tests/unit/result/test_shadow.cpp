@@ -1,4 +1,5 @@
 // Cast shadows: known where the light went, and no evidence against a part that lies in one.
+#include <algorithm>
 #include <catch2/catch.hpp>
 
 #include "result/evidence.hpp"
@@ -73,4 +74,45 @@ TEST_CASE("without a light, or without anything measured, nothing is in shadow")
   std::fill(scene.image.point_mm.begin(), scene.image.point_mm.end(), Vec3f::Zero());
   scene.shadows.made.cast(scene.image.range(), scene_light_mm(), scene.image.belt);
   CHECK_FALSE(scene.shadows.made.hides(at, towards_camera(at), kMargin_mm));
+}
+
+TEST_CASE("a part that is known to lie there casts its shadow from all its sides") {
+  Shaded scene;
+  result::ShadowMap& shadows = scene.shadows.made;
+  std::vector<Vec3f> hidden;
+  for (std::size_t i = 0; i < scene.image.point_mm.size(); ++i) {
+    if (scene.lit.point_mm[i].z() > 0.0F && scene.image.point_mm[i].z() <= 0.0F)
+      hidden.push_back(scene.lit.point_mm[i]);
+  }
+  const auto told = [&] {
+    const auto count = std::count_if(hidden.begin(), hidden.end(), [&](const Vec3f& at) {
+      return shadows.hides(at, towards_camera(at), kMargin_mm);
+    });
+    return static_cast<double>(count);
+  };
+  const auto dark = static_cast<double>(hidden.size());
+  shadows.cast(scene.image.range(), scene_light_mm(), std::nullopt);  // no belt: no sides are made up
+  const auto seen = told();
+  shadows.add(scene.other.model(), scene.parts[1].T_camera_part);
+  shadows.add(scene.loaded.model(), scene.truth);
+  const auto known = told();
+  CHECK(seen < 0.9 * dark);
+  CHECK(known > seen);
+  CHECK(known > 0.9 * dark);
+}
+
+TEST_CASE("a part's own shadow, and places that are only just measured, are no evidence against its pose") {
+  const Shape shape = bracket();
+  const LoadedPart loaded(shape);
+  const result::PartPose truth =
+      on_belt(shape, loaded.part, Eigen::AngleAxisd(1.5, Vec3::UnitX()).toRotationMatrix(), 0.0, 0.0);
+  InArena<result::Drawing> drawing(test_limits());
+  for (const double gap_share : {0.0, 0.6}) {
+    INFO(gap_share);
+    SceneImage image = render({{&shape, truth}}, {.gap_share = gap_share});
+    drawing.made.draw(loaded.model(), truth, image.lens);
+    const auto evidence = result::weigh(drawing.made, loaded.model(), truth,
+                                        {image.range(), image.labels(), image.lens, image.belt, scene_light_mm()});
+    CHECK(evidence.gaps < 0.15);
+  }
 }
