@@ -113,7 +113,31 @@ TEST_CASE("eight scans of a part give its template, which finds the part in othe
     }
   }
   // Those that lie on the side that was scanned poorly are withheld.
-  CHECK(right >= 1);
+  CHECK(right >= 2);
+}
+
+TEST_CASE("a scan from below that shares a third of itself with one other and less with the rest is joined",
+          "[scans]") {
+  const auto folder = scanned() / "knuckle";
+  must("simulate --out " + folder.string() +
+       " --scene belt --part knuckle --parts 1 --lay propped --seed 500 --count 8");
+  std::string scans;
+  for (int i = 0; i < 8; ++i) scans += " " + (folder / ("00" + std::to_string(i))).string();
+  const auto answer =
+      nlohmann::json::parse(must("teach" + scans + " --calibration " + (folder / "000" / "calibration.json").string() +
+                                 " --views 0 --json --out " + (scanned() / "knuckle.template").string())
+                                .out);
+  const auto mesh_in_part = [&](int i) {
+    const auto truth = json_of(folder / ("00" + std::to_string(i)) / "truth.json");
+    return pose_of(answer["stitched"]["scans"][i]["part_from_camera"]) * pose_of(truth["parts"][0]["pose_camera"]);
+  };
+  const AnyPose first = mesh_in_part(0);
+  for (int i = 1; i < 8; ++i) {
+    const AnyPose own = mesh_in_part(i);
+    INFO("scan " << i);
+    CHECK((own.translation_mm - first.translation_mm).norm() < 0.5);
+    CHECK(rotation_between_rad(own.rotation, first.rotation) < rad_from_deg(0.4));
+  }
 }
 
 TEST_CASE("scans that cannot make a template are refused, each with its reason", "[scans]") {
