@@ -21,6 +21,12 @@ constexpr std::array kOddAngles_rad{0.31, 1.07, 1.93, 2.71};
 // and within the tolerance all but what a mesh may be off at its edges.
 constexpr double kMarkShare = 0.0005;
 constexpr double kMeshedEdgesShare = 0.003;
+// Where a mesh made of a volume bends, it cuts corners by some tenths of a millimetre, elsewhere on every edge. Less
+// than this many tolerances, only there, is nothing that a measurement tells.
+constexpr float kCreaseTolerances = 2.5F;
+constexpr float kCreaseCosine = 0.87F;        // neighbours that look farther apart (30 degrees) are at a crease
+constexpr float kFacingCosine = 0.7F;         // what looks the same way, ..
+constexpr float kCreaseFacingCosine = 0.45F;  // .. where a cut corner looks half to either side
 constexpr double kNearShare = 0.05;
 constexpr std::size_t kQuickSample = 600;
 constexpr std::size_t kMaxElements = 59;
@@ -36,7 +42,12 @@ Turn turn_about(const Vec3& centre, const Vec3& axis, double angle_rad) {
 class TurnTest {
  public:
   TurnTest(const Surface& surface, double tolerance_mm)
-      : surface_(surface), index_(surface.point_mm), tolerance_mm_(static_cast<float>(tolerance_mm)) {}
+      : surface_(surface),
+        index_(surface.point_mm),
+        tolerance_mm_(static_cast<float>(tolerance_mm)),
+        at_crease_(surface.point_mm.size()) {
+    for (std::size_t i = 0; i < at_crease_.size(); ++i) at_crease_[i] = bends_at(i);
+  }
 
   // Share of the surface that does not come to lie on it again, within so many tolerances; from every point or a quick
   // sample.
@@ -56,7 +67,7 @@ class TurnTest {
   [[nodiscard]] bool moved_off(std::size_t i, const Turn& turn, float within_mm) const {
     const Vec3f point = (turn * Vec3(surface_.point_mm[i].cast<double>())).cast<float>();
     const Vec3f normal = (turn.rotation * surface_.normal[i].cast<double>()).cast<float>();
-    return !on_surface(point, normal, within_mm);
+    return !on_surface(point, normal, at_crease_[i], within_mm);
   }
 
   // The turn, shifted so that the turned surface lies on the surface best: a mark on one side of a part draws the
@@ -90,20 +101,31 @@ class TurnTest {
 
  private:
   // On the tangent plane of a neighbour that looks the same way: at an edge the nearest point may be on the other face.
-  [[nodiscard]] bool on_surface(const Vec3f& point, const Vec3f& normal, float within_mm) const {
+  [[nodiscard]] bool on_surface(const Vec3f& point, const Vec3f& normal, bool at_crease, float within_mm) const {
     std::array<Neighbour, 8> near;
     index_.nearest(point, near);
     const auto reach = static_cast<float>(2.5 * surface_.spacing_mm);
+    const float facing = at_crease ? kCreaseFacingCosine : kFacingCosine;
+    if (at_crease) within_mm = std::max(within_mm, kCreaseTolerances * tolerance_mm_);
     return std::any_of(near.begin(), near.end(), [&](const Neighbour& n) {
       const Vec3f& n_normal = surface_.normal[n.index];
-      return n.squared_mm2 < reach * reach && n_normal.dot(normal) > 0.7F &&
+      return n.squared_mm2 < reach * reach && n_normal.dot(normal) > facing &&
              std::abs(n_normal.dot(point - surface_.point_mm[n.index])) < within_mm;
+    });
+  }
+
+  [[nodiscard]] bool bends_at(std::size_t i) const {
+    std::array<Neighbour, 8> near;
+    index_.nearest(surface_.point_mm[i], near);
+    return std::any_of(near.begin(), near.end(), [&](const Neighbour& n) {
+      return surface_.normal[n.index].dot(surface_.normal[i]) < kCreaseCosine;
     });
   }
 
   const Surface& surface_;
   NeighbourIndex index_;
   float tolerance_mm_;
+  std::vector<bool> at_crease_;  // of each point
 };
 
 Vec3 centroid_of(const Surface& surface) {

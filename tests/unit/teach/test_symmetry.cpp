@@ -2,6 +2,7 @@
 
 #include "support/shapes.hpp"
 #include "teach/teach.hpp"
+#include "virtual_cell/render/implicit_mesh.hpp"
 #include "virtual_cell/render/scene_part.hpp"
 
 using namespace beltpick;
@@ -65,6 +66,28 @@ TEST_CASE("a meshed part has the symmetry that it is known to have", "[teach][sy
     REQUIRE(taught);
     INFO(name << ": " << taught->part.symmetry.name);
     CHECK(taught->part.symmetry.elements.size() == part->symmetries.size());
+  }
+}
+
+TEST_CASE("a flange meshed from its volume, askew to the cells, has the symmetry of its four holes",
+          "[teach][symmetry]") {
+  const auto flange = [](const Vec3& at) {
+    const Vec3 p = Eigen::AngleAxisd(0.3, Vec3::UnitZ()) * at + Vec3(0.37, 0.21, 0.13);
+    const double r = std::hypot(p.x(), p.y());
+    const double disc = std::max({r - 40.0, -p.z(), p.z() - 8.0});
+    const double hub = std::max({r - 20.0, -p.z(), p.z() - 30.0});
+    double distance = std::max(std::min(disc, hub), 12.0 - r);
+    for (const auto& [x, y] : {std::pair{30.0, 0.0}, {0.0, 30.0}, {-30.0, 0.0}, {0.0, -30.0}})
+      distance = std::max(distance, 4.5 - std::hypot(p.x() - x, p.y() - y));
+    return distance;
+  };
+  for (const double cell_mm : {0.8, 1.0}) {
+    const Mesh mesh = virtual_cell::mesh_of_solid(flange, {Vec3(-43, -43, -3), Vec3(43, 43, 33)}, cell_mm);
+    const auto taught = teach::teach(mesh, {}, {});
+    REQUIRE(taught.has_value());
+    INFO(cell_mm << " mm cells; a turn changes " << (taught->nearest_turn ? taught->nearest_turn->differing_share : 0.0)
+                 << " of the surface");
+    CHECK(taught->part.symmetry.name == "C4");
   }
 }
 
