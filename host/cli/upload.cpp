@@ -6,6 +6,7 @@
 #include "contract/result_codes.hpp"
 #include "options.hpp"
 #include "progress.hpp"
+#include "stored_twins.hpp"
 #include "upload_item.hpp"
 
 namespace beltpick::cli {
@@ -18,6 +19,7 @@ struct UploadCommand {
   std::vector<std::string> files;
   std::string to;
   std::string name;
+  bool no_compare = false;
 };
 
 Result<std::vector<UploadItem>> prepare(const UploadCommand& command) {
@@ -50,6 +52,18 @@ Result<Json> send(link::Appliance& appliance, const UploadItem& item, Session& s
   return json;
 }
 
+// The upload is taken, whatever comes of this.
+void warn_of_twins(link::Appliance& appliance, const UploadItem& item, Json& upload, Session& session) {
+  const auto twins = stored_twins(appliance, item, session);
+  Json warnings = list_at(upload, "/warnings");
+  if (!twins) {
+    warnings.push_back("not compared with the templates kept there: " + std::string(twins.error().detail));
+  } else {
+    for (const std::string& line : *twins) warnings.push_back(line);
+  }
+  upload["warnings"] = warnings;
+}
+
 void tell(const Json& uploads, Session& session) {
   std::string text;
   for (const Json& upload : uploads) {
@@ -74,6 +88,9 @@ Result<void> run(const UploadCommand& command, Session& session) {
       if (!uploads.empty()) tell(uploads, session);  // these are taken, whatever became of the rest
       return std::unexpected(upload.error());
     }
+    if (item.id.kind == item_kind(ItemKind::kTemplate).name && !command.no_compare) {
+      warn_of_twins(*appliance, item, *upload, session);
+    }
     uploads.push_back(std::move(*upload));
   }
   tell(uploads, session);
@@ -91,6 +108,9 @@ Run add_upload(CLI::App& app) {
   add_to(app, command->to);
   app.add_option("--name", command->name, "of the template or recipe there (default: the file's, without its ending)")
       ->type_name("NAME");
+  app.add_flag("--no-compare", command->no_compare,
+               "do not compare templates with those kept there, which takes seconds for each: parts that look alike "
+               "are warned of");
   example(app,
           "  beltpick upload calibration calibration.json --to cell4.local\n"
           "  beltpick upload template knuckle.template bracket.template --to cell4.local\n"

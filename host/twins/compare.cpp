@@ -121,6 +121,17 @@ void take_whole(const PartModel& taught, const PartModel& other, Comparison& com
   }
 }
 
+Comparison compare_whole(const PartModel& taught, const PartModel& other) {
+  Comparison comparison;
+  comparison.area_needed_mm2 = kAreaNeeded_mm2;
+  result::Scene scene;
+  scene.noise_mm = kNoise_mm;
+  comparison.tolerance_mm =
+      result::surface_tolerance_mm(scene, static_cast<double>(std::max(taught.spacing_mm, other.spacing_mm)));
+  take_whole(taught, other, comparison);
+  return comparison;
+}
+
 }  // namespace
 
 double Comparison::blind_share() const {
@@ -131,17 +142,18 @@ double Comparison::blind_share() const {
                    total;
 }
 
+Result<Comparison> compare_whole(const PartTemplate& taught, const PartTemplate& other) {
+  const auto models = Models::make(taught, other);
+  if (!models) return std::unexpected(models.error());
+  return compare_whole(models->store->models()[0], models->store->models()[1]);
+}
+
 Result<Comparison> compare(const PartTemplate& taught, const PartTemplate& other) {
   const auto models = Models::make(taught, other);
   if (!models) return std::unexpected(models.error());
   const PartModel& one = models->store->models()[0];
   const PartModel& two = models->store->models()[1];
-  Comparison comparison;
-  comparison.area_needed_mm2 = kAreaNeeded_mm2;
-  result::Scene scene;
-  scene.noise_mm = kNoise_mm;
-  comparison.tolerance_mm = result::surface_tolerance_mm(scene, std::max(taught.spacing_mm, other.spacing_mm));
-  take_whole(one, two, comparison);
+  Comparison comparison = compare_whole(one, two);
   if (comparison.kinship == Kinship::kSame) return comparison;
   comparison.taught_as_other = all_views(one, two, comparison.tolerance_mm);
   comparison.other_as_taught = all_views(two, one, comparison.tolerance_mm);

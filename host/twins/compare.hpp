@@ -38,6 +38,9 @@ struct Comparison {
   [[nodiscard]] double blind_share() const;
 };
 
+// By the whole surfaces alone, in about a second: the views stay empty. Errors: as pipeline::check_templates.
+Result<Comparison> compare_whole(const PartTemplate& taught, const PartTemplate& other);
+
 // Some 5 to 10 seconds. Errors: as pipeline::check_templates.
 Result<Comparison> compare(const PartTemplate& taught, const PartTemplate& other);
 

@@ -103,7 +103,7 @@ def uploads(stage):
     user.run("upload", "template", cell / "knuckle.template", *to)
     dusty = json.loads((cell / "calibration.json").read_text()) | {"id": "dusty"}
     user.run("upload", "calibration", stage.file("dusty.json", dusty), *to, says="warning: calibration: it is dusty")
-    user.run("upload", "template", cell / "knuckle.template", "--name", "other", *to)
+    user.run("upload", "template", cell / "knuckle.template", "--name", "other", *to, says="other beside knuckle: nothing differs")
     expect("the same again makes no version",
            user.json("upload", "template", cell / "knuckle.template", *to)["uploads"][0]["version"], 1)
     for item, file in (("template/knuckle", "knuckle.template"), ("cell/cell", "cell.json")):
