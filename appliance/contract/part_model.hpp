@@ -12,6 +12,7 @@
 #include "base/pose.hpp"
 #include "base/stages.hpp"
 #include "contract/gripper.hpp"
+#include "contract/requirements.hpp"
 
 namespace beltpick {
 
@@ -50,6 +51,14 @@ struct PartModel {
   std::array<PartView, kViews> views{};
   std::array<Primitive, kMaxPrimitives> primitives{};
   int primitive_count = 0;
+  // Which of them are looked for in an object, in this order: those that a camera over the belt sees now and then. All
+  // of them where the template does not tell.
+  std::array<std::uint8_t, kMaxPrimitives> routes{};
+  int route_count = 0;
+  // From pose to pose of a search. Shifts over a face, which ICP and outline settle, may be coarser than along an axis.
+  double turn_step_rad = 0.0;
+  double shift_step_mm = 0.0;
+  double face_step_mm = 0.0;
 
   // The turns that leave the surface unchanged: see Symmetry in part_template.hpp. The identity is not among them.
   std::array<Pose<frame::Part, frame::Part>, kMaxSymmetries> symmetries{};
@@ -62,6 +71,8 @@ struct PartModel {
   std::array<GraspPose, kMaxGrasps> grasps{};
   int grasp_count = 0;
   GripperShape gripper;  // that picks it
+
+  Requirements required;  // of a pose of it
 
   // The surface point nearest to a place in the part frame.
   [[nodiscard]] const OrientedPoint& nearest(const Vec3f& at_part_mm) const {
@@ -76,6 +87,9 @@ struct PartModel {
   [[nodiscard]] bool symmetric() const { return revolution || sphere || symmetry_count > 0; }
   [[nodiscard]] std::span<const Primitive> taught() const {
     return {primitives.data(), static_cast<std::size_t>(primitive_count)};
+  }
+  [[nodiscard]] std::span<const std::uint8_t> looked_for() const {
+    return {routes.data(), static_cast<std::size_t>(route_count)};
   }
 };
 

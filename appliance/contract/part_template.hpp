@@ -9,6 +9,7 @@
 #include "base/pose.hpp"
 #include "base/stages.hpp"
 #include "contract/gripper.hpp"
+#include "contract/requirements.hpp"
 
 namespace beltpick {
 
@@ -77,6 +78,7 @@ struct PartTemplate {
   std::vector<RestingPosition> resting;  // most likely first
   std::vector<RecognitionRoute> routes;  // best first
   SearchSteps steps;
+  std::optional<Requirements> requirements;  // of its poses; none: those of any part
 };
 
 }  // namespace beltpick

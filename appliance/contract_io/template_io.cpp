@@ -81,6 +81,20 @@ Json to_json(const RecognitionRoute& r) {
   return {{"primitive", r.primitive}, {"visible", r.visible}, {"poses", r.poses}};
 }
 
+Json to_json(const Requirements& requirements) {
+  Json json = Json::object();
+  for (const RequirementMember& member : kRequirementMembers) json[member.name] = requirements.*member.value;
+  return json;
+}
+
+Requirements requirements_from(const Json& json) {
+  Requirements requirements;
+  for (const RequirementMember& member : kRequirementMembers) {
+    requirements.*member.value = json.value(member.name, requirements.*member.value);
+  }
+  return requirements;
+}
+
 template <class T>
 Json list_of(const std::vector<T>& items) {
   Json list = Json::array();
@@ -109,6 +123,7 @@ Json header_of(const PartTemplate& part) {
                  {"routes", list_of(part.routes)},
                  {"search_steps", {{"turn_rad", part.steps.turn_rad}, {"shift_mm", part.steps.shift_mm}}}};
   if (part.gripper) header["gripper"] = to_json(*part.gripper);
+  if (part.requirements) header["requirements"] = to_json(*part.requirements);
   return header;
 }
 
@@ -198,6 +213,7 @@ PartTemplate part_from(const Json& json) {
                            grasp.at("opening_mm").get<double>()});
   }
   if (json.contains("gripper")) part.gripper = gripper_from(json.at("gripper"));
+  if (json.contains("requirements")) part.requirements = requirements_from(json.at("requirements"));
   read_list(json, "cones", part.cones);
   read_list(json, "resting_positions", part.resting);
   read_list(json, "routes", part.routes);

@@ -1,8 +1,9 @@
 // part.template: what `beltpick teach` writes and the appliance loads. One file, checksummed:
 //   "beltpick-template 1 <crc32 of the rest, 8 hex digits> <bytes of the JSON>\n" JSON, then float32 little-endian
 //   points (x y z each, mm, part frame), then as many unit normals.
-// Members that came later (gripper, cones, resting_positions, routes, search_steps) may be missing: a template of an
-// earlier beltpick is read, and has none. Unknown members are left alone: an earlier beltpick reads a later template.
+// Members that came later (gripper, cones, resting_positions, routes, search_steps, requirements) may be missing: a
+// template of an earlier beltpick is read, and has none. Unknown members are left alone: an earlier beltpick reads a
+// later template.
 #pragma once
 
 #include <filesystem>

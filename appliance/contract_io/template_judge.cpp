@@ -60,6 +60,11 @@ bool good(const SearchSteps& steps) {
   return steps.turn_rad >= 0.0 && steps.turn_rad <= 6.3 && steps.shift_mm >= 0.0 && steps.shift_mm <= kLargest_mm;
 }
 
+bool good(const Requirements& required) {
+  return std::all_of(kRequirementMembers.begin(), kRequirementMembers.end(),
+                     [&](const RequirementMember& member) { return share(required.*member.value); });
+}
+
 // What is wrong with the surface; null where nothing is.
 const char* surface_fault(const PartTemplate& part) {
   if (!sane(part.box_min_mm) || !sane(part.box_max_mm)) return "box_min_mm, box_max_mm: expected a box of millimetres";
@@ -96,6 +101,7 @@ const char* fault_of(const PartTemplate& part) {
     return "routes: expected numbers of primitives, likelihoods of 0 to 1";
   }
   if (!good(part.steps)) return "search_steps: expected an angle and a length";
+  if (part.requirements && !good(*part.requirements)) return "requirements: expected shares of 0 to 1";
   const Symmetry& symmetry = part.symmetry;
   const bool turns = std::all_of(symmetry.elements.begin(), symmetry.elements.end(),
                                  [](const auto& element) { return rigid(element); });

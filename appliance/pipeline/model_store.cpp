@@ -4,6 +4,7 @@
 
 #include "base/random.hpp"
 #include "contract/result_codes.hpp"
+#include "pipeline/plan_search.hpp"
 #include "result/grasp_choice.hpp"
 #include "search/views.hpp"
 
@@ -120,6 +121,9 @@ void ModelStore::fill(const PartTemplate& part, const GripperShape& gripper, Slo
   search::compute_views(model);
   model.primitive_count = static_cast<int>(std::min<std::size_t>(part.primitives.size(), PartModel::kMaxPrimitives));
   std::copy_n(part.primitives.begin(), model.primitive_count, model.primitives.begin());
+  plan_search(part, model);
+  // A template asks for more than any part must show, never for less.
+  model.required = stricter(Requirements{}, part.requirements.value_or(Requirements{}));
   copy_symmetry(part.symmetry, model);
   model.gripper = part.gripper.value_or(gripper);
   model.grasp_count = static_cast<int>(part.grasps.size());

@@ -182,9 +182,12 @@ void PoseFinder::tell_found(const Context& context, const PartModel& model, cons
 int PoseFinder::find_primitives(const Context& context, const PartModel& model, std::span<Primitive> found) {
   std::size_t count = 0;
   Random random(context.seed, 2);
-  for (const Primitive& taught : model.taught()) {
-    if (count == found.size()) break;
+  const auto looked_for = model.looked_for();
+  for (std::size_t i = 0; i < looked_for.size() && count < found.size(); ++i) {
+    const Primitive& taught = model.primitives[looked_for[i]];
     if (taught.kind == PrimitiveKind::kPlane) continue;
+    const auto asked_before = [&](std::uint8_t other) { return search::may_match(taught, model.primitives[other]); };
+    if (std::any_of(looked_for.begin(), looked_for.begin() + static_cast<std::ptrdiff_t>(i), asked_before)) continue;
     primitives::PrimitiveQuery query = query_for(context.scene, taught.kind, kLeastCurvedShare);
     query.radius_mm = taught.radius_mm;
     query.side = taught.concave ? primitives::Side::kBore : primitives::Side::kBoss;

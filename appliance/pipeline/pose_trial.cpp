@@ -110,7 +110,8 @@ bool PoseFinder::only_blemished(const Context& context, const Candidate& champio
   result::Evidence otherwise = champion.evidence;
   otherwise.blemishes = {};
   const PartModel& model = context.models[static_cast<std::size_t>(champion.model_index)];
-  return result::judge(otherwise, result::surface_tolerance_mm(context.scene, model.spacing_mm), {}).has_value();
+  return result::judge(otherwise, result::surface_tolerance_mm(context.scene, model.spacing_mm), model.required)
+      .has_value();
 }
 
 // Looks for other poses that the search may not have met. Those found become candidates; the strongest of all is the
@@ -177,8 +178,8 @@ void PoseFinder::add_challenger(const Context& context, const Candidate& champio
 
 Result<void> PoseFinder::trial(const Context& context, const Candidate& champion, int index) {
   const PartModel& model = context.models[static_cast<std::size_t>(champion.model_index)];
-  const auto verdict = result::judge(champion.evidence, result::surface_tolerance_mm(context.scene, model.spacing_mm),
-                                     result::Requirements{});
+  const auto verdict =
+      result::judge(champion.evidence, result::surface_tolerance_mm(context.scene, model.spacing_mm), model.required);
   if (!verdict) return verdict;
   if (!determined(champion.alignment, model)) {
     return failure(ResultCode::kPoseAmbiguous,

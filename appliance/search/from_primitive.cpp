@@ -9,14 +9,7 @@
 namespace beltpick::search {
 namespace {
 
-// 15 degrees: the paper's 36 lands in wrong basins of ICP.
-constexpr int kTurns = 24;
-// A shift of half a step must lie within the basin of ICP.
-constexpr double kShiftStepShare = 0.035;  // of the part's diagonal
-constexpr int kPlaneShifts = 2;            // to either side, in steps
-constexpr double kPlaneStepShare = 0.06;
-
-double turn_rad(int turn) { return 2.0 * kPi * turn / kTurns; }
+constexpr double kFaceReachShare = 0.12;  // of the part's diagonal: so far off is the middle of what is seen of a face
 
 // The pose that turns the part by `rotation` and brings its point `of_part` to `to_camera`.
 PartPose placed(const Mat3& rotation, const Vec3& of_part, const Vec3& to_camera) {
@@ -24,44 +17,48 @@ PartPose placed(const Mat3& rotation, const Vec3& of_part, const Vec3& to_camera
 }
 
 int search_cylinder(const SearchInput& input, const Primitive& taught, const Primitive& found, HypothesisPool& pool) {
-  const double step = kShiftStepShare * input.model.diagonal_mm;
+  const double step = input.model.shift_step_mm;
+  const int turns = turn_count(input.model);
   // What is seen lies on the taught length, give or take a quarter of both for ends measured badly.
   const double reach = 0.5 * std::abs(taught.extent_mm - found.extent_mm) + 0.25 * (taught.extent_mm + found.extent_mm);
   const int shifts = std::max(1, static_cast<int>(std::ceil(reach / step)));
   for (const double flip : {1.0, -1.0}) {
-    for (int turn = 0; turn < kTurns; ++turn) {
-      const Mat3 rotation = rotation_onto(flip * taught.direction, found.direction, turn_rad(turn));
+    for (int turn = 0; turn < turns; ++turn) {
+      const Mat3 rotation = rotation_onto(flip * taught.direction, found.direction, 2.0 * kPi * turn / turns);
       for (int shift = -shifts; shift <= shifts; ++shift) {
         consider(input, placed(rotation, taught.point_mm, found.point_mm + shift * step * found.direction), pool);
       }
     }
   }
-  return 2 * kTurns * (2 * shifts + 1);
+  return 2 * turns * (2 * shifts + 1);
 }
 
 int search_plane(const SearchInput& input, const Primitive& taught, const Primitive& found, HypothesisPool& pool) {
-  const double step = kPlaneStepShare * input.model.diagonal_mm;
+  const double step = input.model.face_step_mm;
+  const int shifts = static_cast<int>(std::ceil(kFaceReachShare * input.model.diagonal_mm / step - 1e-6));
+  const int turns = turn_count(input.model);
   const Vec3 u = found.direction.unitOrthogonal();
   const Vec3 v = found.direction.cross(u);
-  for (int turn = 0; turn < kTurns; ++turn) {
-    const Mat3 rotation = rotation_onto(taught.direction, found.direction, turn_rad(turn));
-    for (int i = -kPlaneShifts; i <= kPlaneShifts; ++i) {
-      for (int j = -kPlaneShifts; j <= kPlaneShifts; ++j) {
+  for (int turn = 0; turn < turns; ++turn) {
+    const Mat3 rotation = rotation_onto(taught.direction, found.direction, 2.0 * kPi * turn / turns);
+    for (int i = -shifts; i <= shifts; ++i) {
+      for (int j = -shifts; j <= shifts; ++j) {
         consider(input, placed(rotation, taught.point_mm, found.point_mm + step * (i * u + j * v)), pool);
       }
     }
   }
-  return kTurns * (2 * kPlaneShifts + 1) * (2 * kPlaneShifts + 1);
+  return turns * (2 * shifts + 1) * (2 * shifts + 1);
 }
 
 int search_sphere(const SearchInput& input, const Primitive& taught, const Primitive& found, HypothesisPool& pool) {
+  const int turns = turn_count(input.model);
   for (const Vec3& direction : view_directions()) {
-    for (int turn = 0; turn < kTurns; ++turn) {
-      const Mat3 rotation = rotation_onto(direction, Vec3::UnitZ(), turn_rad(turn));
+    for (int turn = 0; turn < turns; ++turn) {
+      const Mat3 rotation = rotation_onto(direction, Vec3::UnitZ(), 2.0 * kPi * turn / turns);
       consider(input, placed(rotation, taught.point_mm, found.point_mm), pool);
     }
   }
-  return PartModel::kViews * kTurns;
+  return PartModel::kViews * turns;
 }
 
 }  // namespace
@@ -70,6 +67,8 @@ Mat3 rotation_onto(const Vec3& from, const Vec3& to, double turn_rad) {
   const Eigen::Quaterniond onto = Eigen::Quaterniond::FromTwoVectors(from, to);
   return (Eigen::AngleAxisd(turn_rad, to) * onto).toRotationMatrix();
 }
+
+int turn_count(const PartModel& model) { return static_cast<int>(std::ceil(2.0 * kPi / model.turn_step_rad - 1e-6)); }
 
 bool may_match(const Primitive& taught, const Primitive& found) {
   if (taught.kind != found.kind) return false;

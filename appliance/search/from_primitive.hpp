@@ -18,12 +18,16 @@ struct SearchInput {
 };
 
 // Assumes that `found` (camera frame) is the part's `taught` primitive (part frame) and tries what is then still free:
-//   cylinder: flip x 24 turns about the axis x shifts along it that keep the two lengths overlapping
-//   plane:    24 turns about the normal x shifts in the plane around where the two centres meet
-//   sphere:   all rotations about the centre, 15 degrees apart
-// Better hypotheses go to the pool. Returns how many were tried; 0 where the kinds, radii or sides do not match.
+//   cylinder: flip x turns about the axis x shifts along it that keep the two lengths overlapping
+//   plane:    turns about the normal x shifts in the plane around where the two centres meet
+//   sphere:   all rotations about the centre
+// by the model's steps. Better hypotheses go to the pool. Returns how many were tried; 0 where the kinds, radii or
+// sides do not match.
 int search_from_primitive(const SearchInput& input, const Primitive& taught, const Primitive& found,
                           HypothesisPool& pool);
+
+// Of a full turn by the model's step.
+int turn_count(const PartModel& model);
 
 // Whether `found` may be `taught`: the same kind and side, the radius within its tolerance.
 bool may_match(const Primitive& taught, const Primitive& found);

@@ -9,8 +9,6 @@
 namespace beltpick::search {
 namespace {
 
-constexpr int kTurns = 24;
-
 // Collects distinct unit vectors.
 struct Directions {
   std::array<Vec3, PartModel::kViews> at;
@@ -132,13 +130,14 @@ void compute_views(PartModel& model) {
 int search_views(const SearchInput& input, HypothesisPool& pool) {
   const Vec3& centroid = input.sample.centroid_mm();
   const Vec3 sight = centroid.normalized();
+  const int turns = turn_count(input.model);
   for (const PartView& view : input.model.views) {
-    for (int turn = 0; turn < kTurns; ++turn) {
-      const Mat3 rotation = rotation_onto(view.direction.cast<double>(), sight, 2.0 * kPi * turn / kTurns);
+    for (int turn = 0; turn < turns; ++turn) {
+      const Mat3 rotation = rotation_onto(view.direction.cast<double>(), sight, 2.0 * kPi * turn / turns);
       consider(input, {rotation, centroid - rotation * view.centroid_mm.cast<double>()}, pool);
     }
   }
-  return PartModel::kViews * kTurns;
+  return PartModel::kViews * turns;
 }
 
 }  // namespace beltpick::search

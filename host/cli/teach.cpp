@@ -62,6 +62,13 @@ contract_io::Json json_of(const RestingPosition& position) {
           {"likelihood", position.likelihood}};
 }
 
+contract_io::Json json_of(const std::optional<Requirements>& required) {
+  if (!required) return nullptr;
+  contract_io::Json json = contract_io::Json::object();
+  for (const RequirementMember& member : kRequirementMembers) json[member.name] = *required.*member.value;
+  return json;
+}
+
 // What the simulated views say; null where none were asked for.
 contract_io::Json json_of(const std::optional<teach::Rehearsal>& rehearsal) {
   if (!rehearsal) return nullptr;
@@ -70,6 +77,7 @@ contract_io::Json json_of(const std::optional<teach::Rehearsal>& rehearsal) {
           {"ambiguous", rehearsal->count(teach::Outcome::kAmbiguous)},
           {"withheld", rehearsal->count(teach::Outcome::kWithheld)},
           {"wrong", rehearsal->count(teach::Outcome::kWrong)},
+          {"cut_wrong", rehearsal->cut_wrong},
           {"noise_mm", rehearsal->noise_mm},
           {"rms_error", rehearsal->rms_error},
           {"worst_error", rehearsal->worst_error},
@@ -99,6 +107,7 @@ contract_io::Json json_of(const teach::Taught& taught, const std::optional<teach
           {"cones", cones},
           {"resting_positions", resting},
           {"rehearsal", json_of(rehearsal)},
+          {"requirements", json_of(taught.part.requirements)},
           {"grasps", taught.part.grasps.size()},
           {"warnings", taught.warnings}};
 }

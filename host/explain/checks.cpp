@@ -2,7 +2,7 @@
 
 namespace beltpick::explain {
 
-std::vector<Check> checks_of(const result::Evidence& e, double tolerance_mm, const result::Requirements& required) {
+std::vector<Check> checks_of(const result::Evidence& e, double tolerance_mm, const Requirements& required) {
   return {
       {"points", "surface points in sight", static_cast<double>(e.points), static_cast<double>(required.points), true,
        ""},

@@ -19,7 +19,6 @@ struct Check {
   [[nodiscard]] bool passed() const { return at_least ? value >= limit : value <= limit; }
 };
 
-std::vector<Check> checks_of(const result::Evidence& evidence, double tolerance_mm,
-                             const result::Requirements& required);
+std::vector<Check> checks_of(const result::Evidence& evidence, double tolerance_mm, const Requirements& required);
 
 }  // namespace beltpick::explain

@@ -88,7 +88,7 @@ Json judged_json(const Judged& judged, const Explained& explained) {
   const result::Scene& scene = *explained.recorder.scene();
   Json checks = Json::array();
   for (const Check& check :
-       checks_of(judged.champion.evidence, result::surface_tolerance_mm(scene, model.spacing_mm), {})) {
+       checks_of(judged.champion.evidence, result::surface_tolerance_mm(scene, model.spacing_mm), model.required)) {
     checks.push_back({{"name", check.name},
                       {"value", check.value},
                       {check.at_least ? "at_least" : "at_most", check.limit},

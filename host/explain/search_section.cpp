@@ -136,7 +136,7 @@ std::string verification_part(const Judged& judged, const Frame& frame, const Ex
   const PartModel& model = model_of(judged.champion, explained);
   std::vector<std::vector<html::Cell>> rows;
   for (const Check& check :
-       checks_of(judged.champion.evidence, result::surface_tolerance_mm(scene, model.spacing_mm), {})) {
+       checks_of(judged.champion.evidence, result::surface_tolerance_mm(scene, model.spacing_mm), model.required)) {
     rows.push_back({html::text(check.passed() ? "yes" : "NO"), html::text(check.meaning),
                     value_cell(check.value, check), html::text(check.at_least ? "at least" : "at most"),
                     value_cell(check.limit, check)});

@@ -11,6 +11,8 @@
 #include "contract/result_codes.hpp"
 #include "html/page.hpp"
 #include "pipeline/pipeline.hpp"
+#include "result/scene.hpp"
+#include "teach/demands.hpp"
 #include "teach/recognition.hpp"
 
 namespace beltpick::teach {
@@ -22,6 +24,9 @@ constexpr double kWrong_mm = 1.0;
 constexpr double kWrong_rad = rad_from_deg(1.0);
 constexpr double kSpread_mm = 25.0;  // of the parts about the middle of the view
 constexpr std::size_t kBasinViews = 8;
+// So many views are looked at again with the part reaching out of the image, with these shares of it inside.
+constexpr int kCutViews = 8;
+constexpr std::array kCutShares{0.3, 0.45};
 
 // The pipeline in memory of the size that it asks for.
 struct Appliance {
@@ -95,6 +100,8 @@ Error6 error_of(const PartPose& found, const PartPose& truth, const PartModel& m
   return best;
 }
 
+bool is_wrong(const PoseDifference& d) { return d.translation_mm > kWrong_mm || d.rotation_rad > kWrong_rad; }
+
 void judge(const pipeline::Located& located, const PartModel& model, RehearsedView& view) {
   if (located.found.parts.empty()) {
     if (located.found.withheld.empty()) {
@@ -108,14 +115,23 @@ void judge(const pipeline::Located& located, const PartModel& model, RehearsedVi
   }
   const PartPose& found = located.found.parts.front().T_camera_part;
   const PoseDifference d = difference_modulo_symmetry(found, view.truth, model);
-  view.outcome = d.translation_mm > kWrong_mm || d.rotation_rad > kWrong_rad ? Outcome::kWrong : Outcome::kFound;
+  view.outcome = is_wrong(d) ? Outcome::kWrong : Outcome::kFound;
   view.error = error_of(found, view.truth, model);
   if (view.outcome == Outcome::kWrong) {
     view.why = html::formatted("%.2f mm and %.1f degrees off", d.translation_mm, deg_from_rad(d.rotation_rad));
   }
 }
 
-Result<RehearsedView> rehearse_one(Appliance& appliance, SimulatedView& simulated, int number) {
+// Notes what the pose shows that was believed in the last view that was located, if any was.
+void take_note(const pipeline::Located& located, const PartModel& model, const PartPose& truth, Demands& demands) {
+  if (located.found.parts.empty()) return;
+  const result::Evidence& evidence = located.found.candidates.front().evidence;
+  const PoseDifference d = difference_modulo_symmetry(located.found.parts.front().T_camera_part, truth, model);
+  const double tolerance_mm = result::surface_tolerance_mm(result::Scene{}, model.spacing_mm);
+  demands.believed(evidence.support, evidence.rms_mm / tolerance_mm, is_wrong(d));
+}
+
+Result<RehearsedView> rehearse_one(Appliance& appliance, SimulatedView& simulated, int number, Demands& demands) {
   RehearsedView view;
   view.truth = simulated.T_camera_part;
   pipeline::View input;
@@ -127,7 +143,20 @@ Result<RehearsedView> rehearse_one(Appliance& appliance, SimulatedView& simulate
   if (!located) return std::unexpected(located.error());
   view.locate_ms = located->locate_ms;
   judge(*located, appliance.pipeline->models().front(), view);
+  take_note(*located, appliance.pipeline->models().front(), view.truth, demands);
   return view;
+}
+
+Result<void> rehearse_cut(Appliance& appliance, SimulatedView& simulated, int number, Demands& demands) {
+  for (std::size_t i = 0; i < kCutShares.size(); ++i) {
+    pipeline::View input =
+        cut(simulated, kCutShares[i], static_cast<CutSide>((static_cast<std::size_t>(number) + 2 * i) % 4));
+    input.seed = static_cast<std::uint64_t>(number) + 1;
+    const auto located = appliance.pipeline->locate(input);
+    if (!located) return std::unexpected(located.error());
+    take_note(*located, appliance.pipeline->models().front(), simulated.T_camera_part, demands);
+  }
+  return {};
 }
 
 void sum_up(Rehearsal& rehearsal) {
@@ -152,8 +181,14 @@ void sum_up(Rehearsal& rehearsal) {
   rehearsal.slowest_ms = times.back();
 }
 
-void warn(const Rehearsal& rehearsal, std::vector<std::string>& warnings) {
+void warn(const Rehearsal& rehearsal, const Requirements& required, std::vector<std::string>& warnings) {
   using html::formatted;
+  if (rehearsal.cut_wrong > 0) {
+    warnings.push_back(
+        formatted("where the image ended within the part, %d poses were wrong: of this part at least %.0f %% must be "
+                  "measured, of others %.0f",
+                  rehearsal.cut_wrong, 100 * required.support, 100 * Requirements{}.support));
+  }
   const std::size_t all = rehearsal.views.size();
   if (const std::size_t wrong = rehearsal.count(Outcome::kWrong); wrong > 0) {
     warnings.push_back(
@@ -187,23 +222,30 @@ Result<Rehearsal> rehearse(Taught& taught, const Mesh& mesh, int views) {
   const Triangles triangles = triangles_of(mesh, taught.surface);
   const double size_mm = (taught.part.box_max_mm - taught.part.box_min_mm).norm();
   std::vector<SimulatedView> for_basin;
+  Demands demands;
   int number = 0;
   for (const std::size_t resting : choose_positions(taught.part.resting, views)) {
     const Placement placement = placement_of(taught.part.resting[resting], number);
     SimulatedView simulated =
         simulate_view(triangles, size_mm, placement, rehearsal.noise_mm, static_cast<std::uint64_t>(number) + 1);
-    auto view = rehearse_one(appliance, simulated, number++);
+    auto view = rehearse_one(appliance, simulated, number, demands);
     if (!view) return std::unexpected(view.error());
+    if (number < kCutViews) {
+      if (auto cut = rehearse_cut(appliance, simulated, number, demands); !cut) return std::unexpected(cut.error());
+    }
+    ++number;
     view->resting = resting;
     view->placement = placement;
     rehearsal.views.push_back(std::move(*view));
     if (for_basin.size() < kBasinViews) for_basin.push_back(std::move(simulated));
   }
   rehearsal.basin = measure_basin(appliance.pipeline->models().front(), for_basin);
+  rehearsal.cut_wrong = demands.wrong();
+  taught.part.requirements = demands.derived();
   taught.part.steps = rehearsal.basin.steps;
   taught.part.routes = plan_routes(taught.part, taught.worth, taught.part.steps);
   sum_up(rehearsal);
-  warn(rehearsal, taught.warnings);
+  warn(rehearsal, *taught.part.requirements, taught.warnings);
   return rehearsal;
 }
 

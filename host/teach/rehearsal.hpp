@@ -33,6 +33,7 @@ struct Rehearsal {
   std::array<double, 6> worst_error{};  // the same
   double median_ms = 0.0, slowest_ms = 0.0;
   std::size_t memory_bytes = 0;  // of the appliance with its default limits and one template
+  int cut_wrong = 0;  // believed, but wrong, where the part was made to reach out of the image: see demands.hpp
   Basin basin;
   double noise_mm = 0.05;  // that was simulated
 
@@ -40,8 +41,8 @@ struct Rehearsal {
 };
 
 // Simulates `views` views over the resting positions, those of the likelier ones more often, locates the part in each
-// and measures ICP's basin; fills taught.part.steps and routes, and warns of what went wrong. `mesh`: as it was taught.
-// Errors: those of loading the template.
+// and measures ICP's basin; fills taught.part.steps, routes and requirements, and warns of what went wrong. `mesh`: as
+// it was taught. Errors: those of loading the template.
 Result<Rehearsal> rehearse(Taught& taught, const Mesh& mesh, int views);
 
 }  // namespace beltpick::teach
