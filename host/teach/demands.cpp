@@ -9,8 +9,8 @@ namespace {
 
 // More than the greatest support that misled.
 constexpr double kSupportMargin = 0.05;
-// Of parts that are 60 % in view, shadows leave at least so much.
-constexpr double kMostSupport = 0.45;
+// Of parts that are 60 % in view, the projector's shadows leave so much and hardly less.
+constexpr double kMostSupport = 0.35;
 // Rough metal and a worn part may leave so many times what the simulated noise does; a surface tolerance has four
 // standard deviations, so that less than a fifth of it is noise alone.
 constexpr double kResidualMargin = 3.0;
