@@ -17,8 +17,11 @@ class OpencvPpf {
   // Takes some ten seconds a part.
   void train();
 
-  // Needs no start.
-  [[nodiscard]] PeerFit match(const PeerObject& object) const;
+  // The poses with most votes, best first. Needs no start.
+  [[nodiscard]] std::vector<PartPose> propose(const PeerObject& object, std::size_t most) const;
+
+  // OpenCV's own ICP from each, the one that fits best. At least one pose.
+  [[nodiscard]] PeerFit refine(const PeerObject& object, const std::vector<PartPose>& poses) const;
 
  private:
   struct State;
