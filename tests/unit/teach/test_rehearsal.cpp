@@ -67,7 +67,11 @@ TEST_CASE("the rehearsal finds a bracket, tells how exactly, and chooses the sea
   REQUIRE(rehearsal.has_value());
   CHECK(rehearsal->views.size() == 5);
   CHECK(rehearsal->count(teach::Outcome::kWrong) == 0);
-  CHECK(rehearsal->count(teach::Outcome::kFound) >= 4);
+  for (const teach::RehearsedView& view : rehearsal->views)
+    UNSCOPED_INFO("resting " << view.resting << ": " << view.why);
+  // On two of its sides its mirror image, or the same bracket shifted, shows the same.
+  CHECK(rehearsal->count(teach::Outcome::kFound) >= 3);
+  CHECK(rehearsal->count(teach::Outcome::kFound) + rehearsal->count(teach::Outcome::kAmbiguous) == 5);
   for (std::size_t k = 0; k < 3; ++k) CHECK(rehearsal->rms_error[k] < rad_from_deg(0.5));
   for (std::size_t k = 3; k < 6; ++k) CHECK(rehearsal->rms_error[k] < 0.5);
   CHECK(taught->part.steps.turn_rad >= rad_from_deg(5));
