@@ -1,6 +1,7 @@
 #include "result/drawing.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
 #include "base/kernel.hpp"
@@ -9,6 +10,9 @@ namespace beltpick::result {
 namespace {
 
 constexpr float kLeastCosine = 0.2F;
+constexpr int kSplat = 3;
+constexpr float kSplatShare = 0.7F;  // of the spacing: half the width of a point's square
+constexpr std::uint64_t kNothing = ~std::uint64_t{0};
 constexpr float kFacing = 0.02F;  // cosine from which on a surface is drawn at all
 
 // The lens's plain numbers, as contract/lens_project.hpp uses them.
@@ -71,6 +75,9 @@ Drawing::Drawing(Arena& arena, const Limits& limits)
                                            static_cast<std::size_t>(limits.template_points))),
       visible_(arena.take_scratch<VisiblePoint>(Phase::kLocate, "verify: points in sight",
                                                 static_cast<std::size_t>(limits.template_points))),
+      nearest_(arena.take_scratch<std::uint64_t>(
+          Phase::kLocate, "verify: depth buffer",
+          static_cast<std::size_t>(limits.image_width) * static_cast<std::size_t>(limits.image_height) / 4)),
       cells_(arena.take_scratch<float>(
           Phase::kLocate, "verify: depth buffer",
           static_cast<std::size_t>(limits.image_width) * static_cast<std::size_t>(limits.image_height) / 4)),
@@ -85,6 +92,7 @@ void Drawing::draw(const PartModel& model, const PartPose& T_camera_part, const 
   if (front_count_ == 0) return;
   lay_out(model, lens);
   splat(model.spacing_mm, lens);
+  read_nearest();
   keep_visible(lens);
 }
 
@@ -134,30 +142,45 @@ void Drawing::lay_out(const PartModel& model, const Lens& lens) {
     index_ = {index_cells_.data(), rows, cols};
     if (depth_.size() <= cells_.size()) break;
   }
-  std::fill_n(cells_.begin(), depth_.size(), 0.0F);
 }
 
+// A point's square of cells, up to kSplat wide, is written as if it were that wide: cells beyond its end are those at
+// its end once more, which the least of all depths does not mind, and no branch depends on the width.
 void Drawing::splat(double spacing_mm, const Lens& lens) {
+  std::fill_n(nearest_.begin(), depth_.size(), kNothing);
   const float focal_cells = static_cast<float>(std::max(lens.fx_px, lens.fy_px)) / static_cast<float>(factor_);
   const float cells_per_px = 1.0F / static_cast<float>(factor_);
   for (std::size_t i = 0; i < front_count_; ++i) {
     const Projected& p = front_[i];
     // A square a little wider than the spacing closes the gaps between points that are spread unevenly.
-    const float half = 0.7F * static_cast<float>(spacing_mm) * focal_cells / p.point_mm.z();
+    const float half = kSplatShare * static_cast<float>(spacing_mm) * focal_cells / p.point_mm.z();
     const float column = (p.column_px - static_cast<float>(column_px_)) * cells_per_px;
     const float row = (p.row_px - static_cast<float>(row_px_)) * cells_per_px;
     const int first_row = std::max(0, static_cast<int>(row - half));
     const int last_row = std::min(depth_.rows - 1, static_cast<int>(row + half));
     const int first_col = std::max(0, static_cast<int>(column - half));
     const int last_col = std::min(depth_.cols - 1, static_cast<int>(column + half));
-    for (int r = first_row; r <= last_row; ++r) {
-      for (int c = first_col; c <= last_col; ++c) {
-        float& held = depth_(r, c);
-        if (held != 0.0F && p.point_mm.z() >= held) continue;
-        held = p.point_mm.z();
-        index_(r, c) = static_cast<std::uint16_t>(i);
+    // Depths are positive: their bits are in order as they are.
+    const std::uint64_t drawn = static_cast<std::uint64_t>(std::bit_cast<std::uint32_t>(p.point_mm.z())) << 32 | i;
+    for (int r = first_row; r <= last_row; r += kSplat) {
+      for (int c = first_col; c <= last_col; c += kSplat) {
+        for (int dr = 0; dr < kSplat; ++dr) {
+          std::uint64_t* line = nearest_.data() + static_cast<std::ptrdiff_t>(std::min(r + dr, last_row)) * depth_.cols;
+          for (int dc = 0; dc < kSplat; ++dc) {
+            std::uint64_t& held = line[std::min(c + dc, last_col)];
+            held = std::min(held, drawn);
+          }
+        }
       }
     }
+  }
+}
+
+void Drawing::read_nearest() {
+  for (std::size_t i = 0; i < depth_.size(); ++i) {
+    const std::uint64_t held = nearest_[i];
+    cells_[i] = held == kNothing ? 0.0F : std::bit_cast<float>(static_cast<std::uint32_t>(held >> 32));
+    index_cells_[i] = static_cast<std::uint16_t>(held);
   }
 }
 

@@ -63,12 +63,14 @@ class Drawing {
   void project_front(const PartModel& model, const PartPose& T_camera_part, const Lens& lens);
   void lay_out(const PartModel& model, const Lens& lens);
   void splat(double spacing_mm, const Lens& lens);
+  void read_nearest();
   void keep_visible(const Lens& lens);
 
   std::span<Projected> front_;
   std::size_t front_count_ = 0;
   std::span<VisiblePoint> visible_;
   std::size_t visible_count_ = 0;
+  std::span<std::uint64_t> nearest_;  // of each cell: depth, and which point's it is
   std::span<float> cells_;
   std::span<std::uint16_t> index_cells_;
   ImageView<float> depth_;
