@@ -94,10 +94,11 @@ Result<Recipe> parse_stored_recipe(std::string_view text, const std::string& sou
   auto recipe = parse_members(text, source, name, warnings);
   if (!recipe) return recipe;
   if (!find_sequence_name(recipe->sequence)) {
-    return failure(ResultCode::kValueOutOfRange,
-                   "%s: sequence: expected fast, standard, robust, micro or the content of a sequence.json, found '%s'; "
-                   "`beltpick upload recipe` puts the file's content in its place",
-                   source.c_str(), one_line(recipe->sequence).c_str());
+    return failure(
+        ResultCode::kValueOutOfRange,
+        "%s: sequence: expected fast, standard, robust, micro or the content of a sequence.json, found '%s'; "
+        "`beltpick upload recipe` puts the file's content in its place",
+        source.c_str(), one_line(recipe->sequence).c_str());
   }
   for (std::string& part : recipe->templates) {
     part = item_name(part);

@@ -230,7 +230,8 @@ Result<void> run(const PatternOptions& options, Session& session) {
 Run add_patterns(CLI::App& app) {
   const auto options = std::make_shared<PatternOptions>();
   app.add_option("--projector", options->projector, "the projector's size in pixels, e.g. 912x1140");
-  app.add_option("--sequence", options->sequence, "fast, standard, robust, micro or a sequence.json (default standard)");
+  app.add_option("--sequence", options->sequence,
+                 "fast, standard, robust, micro or a sequence.json (default standard)");
   app.add_option("--axes", options->axes, "what to code of a projector's pixel (default column)")
       ->check(CLI::IsMember(choices(kSequenceAxesNames)));
   app.add_option("--exposures-us", options->exposures_us,

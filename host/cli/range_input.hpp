@@ -16,8 +16,8 @@ namespace beltpick::cli {
 
 class RangeInput {
  public:
-  // `path`: a .npy is a CLOUD, a .ply the points of one (in the frame of the camera that took them), all else a CAPTURE,
-  // which needs `calibration`. Errors: kUsage; as MeasuredCapture, read_cloud, fit_lens and organise.
+  // `path`: a .npy is a CLOUD, a .ply the points of one (in the frame of the camera that took them), all else a
+  // CAPTURE, which needs `calibration`. Errors: kUsage; as MeasuredCapture, read_cloud, fit_lens and organise.
   static Result<std::unique_ptr<RangeInput>> read(const std::string& path, const std::string& calibration,
                                                   contract_io::Warnings& warnings, bool quiet);
 

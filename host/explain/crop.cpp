@@ -140,7 +140,8 @@ ResidualPicture residual_crop(const result::Scene& scene, const pipeline::Object
       square_mm2 += across * across;
       ++within;
     }
-    dab(made.picture, frame, row, col, 0, shown ? html::diverging_colour(across / (kFullColour * scale_mm)) : Rgb{0, 0, 0});
+    dab(made.picture, frame, row, col, 0,
+        shown ? html::diverging_colour(across / (kFullColour * scale_mm)) : Rgb{0, 0, 0});
   });
   if (off.empty()) return made;
   made.within_share = static_cast<double>(within) / static_cast<double>(off.size());

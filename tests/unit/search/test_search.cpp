@@ -82,7 +82,8 @@ TEST_CASE("without a primitive the view search comes near the true pose") {
     const auto sample = seen_sample(loaded.model(), truth);
     std::vector<Hypothesis> storage(400);
     search::HypothesisPool pool(storage);
-    search::search_views({loaded.model(), search::SearchSample(sample), static_cast<float>(0.08 * loaded.model().diagonal_mm)}, pool);
+    search::search_views(
+        {loaded.model(), search::SearchSample(sample), static_cast<float>(0.08 * loaded.model().diagonal_mm)}, pool);
     const PoseDifference d = best_of(pool, loaded.model(), truth);
     INFO(shape.name);
     CHECK(d.translation_mm < 0.12 * loaded.model().diagonal_mm);
