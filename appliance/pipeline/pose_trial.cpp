@@ -24,6 +24,18 @@ constexpr int kFinishedRivals = 8;
 constexpr std::size_t kLookalikes = 3;
 constexpr std::size_t kMirrorImages = 4;
 
+// What a pose explains of the picture, less what speaks against it. Not a share of what the part would show: of two
+// poses that explain the same surface the one that hides less of the part in shadow would lose by that alone.
+double explained(const Candidate& candidate) {
+  return candidate.evidence.support > 0.0 ? candidate.strength * candidate.evidence.matched / candidate.evidence.support
+                                          : 0.0;
+}
+
+// Whether a pose explains so little of what another one does that it need not be compared with it.
+bool hopeless(const Candidate& rival, const Candidate& champion) {
+  return explained(rival) < kRivalStrength * explained(champion);
+}
+
 // A part that its mirror image covers to this share has no handedness worth telling.
 constexpr double kSameSurfaceShare = 0.98;
 
@@ -196,12 +208,11 @@ bool PoseFinder::beats_rivals(const Context& context, const Candidate& champion,
   int finished = 0;
   for (int i = 0; i < candidate_count_ && finished < kFinishedRivals; ++i) {
     Candidate rival = candidates_[static_cast<std::size_t>(i)];
-    if (i == index || rival.strength < kRivalStrength * champion.strength || same_place(champion, rival, model))
-      continue;
+    if (i == index || hopeless(rival, champion) || same_place(champion, rival, model)) continue;
     // Small differences decide: both must be aligned as well as can be.
     finish(context, rival);
     ++finished;
-    if (rival.strength < kRivalStrength * champion.strength || same_place(champion, rival, model)) continue;
+    if (hopeless(rival, champion) || same_place(champion, rival, model)) continue;
     if (rival.evidence.blemishes.any()) continue;
     const auto& other = context.models[static_cast<std::size_t>(rival.model_index)];
     const result::Rivalry rivalry =
@@ -231,7 +242,7 @@ bool PoseFinder::beats_mirror_image(const Context& context, const Candidate& cha
     rival.alignment.T_camera_part = hypothesis.T_camera_part;
     align_fully(context, rival);
     finish(context, rival);
-    if (rival.strength < kRivalStrength * champion.strength || rival.evidence.blemishes.any()) continue;
+    if (hopeless(rival, champion) || rival.evidence.blemishes.any()) continue;
     if (same_surface(model, rival.alignment.T_camera_part, pose, tolerance_mm)) continue;
     const result::Rivalry rivalry = result::compare({model, pose}, {model, rival.alignment.T_camera_part},
                                                     context.scene, both(champion.region, rival.region), 1);

@@ -194,6 +194,7 @@ Evidence weigh(const Drawing& drawing, const PartModel& model, const PartPose& T
   }
   const double judged = inside - occluded - shadowed;
   evidence.in_view = share(inside, total);
+  evidence.matched = matched;
   evidence.support = share(matched, total);
   evidence.coverage = share(matched, judged);
   evidence.violated = share(violated, judged);

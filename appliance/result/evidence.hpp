@@ -15,6 +15,7 @@ namespace beltpick::result {
 // Shares are by area across the line of sight.
 struct Evidence {
   double in_view = 0.0;       // of what the camera could see of the part, what lies inside the image
+  double matched = 0.0;       // what was measured where the pose says: points as wide as one seen straight on
   double support = 0.0;       // of what the camera could see of the part, what was measured where the pose says
   double coverage = 0.0;      // the same, of what lies inside the image, behind nothing else and in no shadow
   double violated = 0.0;      // of that, what was seen to be empty: measured clearly behind
