@@ -4,6 +4,7 @@
 #include "support/shapes.hpp"
 #include "teach/demands.hpp"
 #include "teach/rehearsal.hpp"
+#include "virtual_cell/render/scene_part.hpp"
 
 using namespace beltpick;
 
@@ -57,6 +58,17 @@ TEST_CASE("where a believed pose was wrong, the part must show more; never less 
   CHECK(demands.wrong() == 2);
   demands.believed(0.9, 0.5, false);
   CHECK(demands.derived().residual == Requirements{}.residual);
+}
+
+TEST_CASE("an elbow of which one leg alone is inside the image is right or withheld", "[teach][rehearsal]") {
+  // The other leg may stand up or lie: with the wrong one that leg shows less of itself, all of it as measured.
+  const Mesh elbow = virtual_cell::builtin_part("elbow").value().mesh;
+  auto taught = teach::teach(elbow, {}, {});
+  REQUIRE(taught.has_value());
+  const auto rehearsal = teach::rehearse(*taught, elbow, 8);
+  REQUIRE(rehearsal.has_value());
+  CHECK(rehearsal->cut_wrong == 0);
+  CHECK(rehearsal->count(teach::Outcome::kFound) == 8);
 }
 
 TEST_CASE("the rehearsal finds a bracket, tells how exactly, and chooses the search's steps", "[teach][rehearsal]") {
