@@ -1,12 +1,13 @@
 // A recipe: what the appliance projects, how long it exposes, and which parts it looks for. beltpick-recipe, version 1:
 //
 //   {"format": "beltpick-recipe", "version": 1, "number": 1, "name": "knuckles",
-//    "sequence": "standard",               fast, standard, robust, micro; the path of a sequence.json; or its content
-//    itself "axes": "column",                     column, row or both; for the named sequences "exposure_us": 8000, for
-//    frames whose sequence does not tell their own "exposures_us": [2000, 8000, 24000],  HDR: the whole sequence once
-//    at each of them, in place of exposure_us "settle_us": 1000,                    from the projector's advance to the
-//    camera's pulse "period_us": 20000,                   from frame to frame; 0: the shortest that camera and
-//    projector allow "templates": ["knuckle.template"]}    part_number counts in this order, from 1
+//    "sequence": "standard",               fast, standard, robust, micro; the path of a sequence.json; its content
+//    "axes": "column",                     column, row or both; for the named sequences
+//    "exposure_us": 8000,                  for frames whose sequence does not tell their own
+//    "exposures_us": [2000, 8000, 24000],  HDR: the whole sequence once at each of them, in place of exposure_us
+//    "settle_us": 1000,                    from the projector's advance to the camera's pulse
+//    "period_us": 20000,                   from frame to frame; 0: the shortest that camera and projector allow
+//    "templates": ["knuckle.template"]}    part_number counts in this order, from 1
 //
 // `number`, `exposure_us` and `templates` are required. Defaults of the others: the file's stem, standard, column,
 // none, 1000, 0. In a file, paths count from the recipe's folder. A recipe that the appliance keeps stands by itself:
