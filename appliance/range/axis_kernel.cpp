@@ -5,8 +5,6 @@
 
 #include "base/camera_noise.hpp"
 #include "base/kernel.hpp"
-#include "range/lanes.hpp"
-#include "range/stream_copy.hpp"
 
 namespace beltpick::range {
 namespace {
@@ -123,34 +121,6 @@ BELTPICK_INLINE void depths(const AxisModel& model, const AxisInput& input, int 
   }
 }
 
-constexpr int kTogether = 64;  // pixels whose points are written in one go
-static_assert(kTogether % kBlock == 0);
-
-BELTPICK_INLINE void rays_of(const RayCurve& curve, int first, int count, float* ray) {
-  for (int k = 0; k < blocks_along(count); ++k) {
-    const int block = first / kBlock + k;
-    *loose(ray + k * kBlock) = curve.at[block] + kPixel * (curve.slope[block] + kPixel * curve.bend[block]);
-  }
-}
-
-// Points and sigmas of a block of pixels, with flying ones already at depth 0. Returns how many points.
-BELTPICK_INLINE int points_of(const float* __restrict ray_u, const float* __restrict ray_v,
-                              const float* __restrict depth_mm, const float* __restrict sigma_in_mm, int count,
-                              float* __restrict point_mm, float* __restrict sigma_mm) {
-  int points = 0;
-  for (int i = 0; i < count; ++i) {
-    const float z = depth_mm[i];
-    const float u = z > 0.0F ? ray_u[i] : 0.0F;  // a pixel without a ray has NaN
-    const float v = z > 0.0F ? ray_v[i] : 0.0F;
-    point_mm[3 * i] = u * z;
-    point_mm[3 * i + 1] = v * z;
-    point_mm[3 * i + 2] = z;
-    sigma_mm[i] = z > 0.0F ? sigma_in_mm[i] : 0.0F;
-    points += z > 0.0F ? 1 : 0;
-  }
-  return points;
-}
-
 }  // namespace
 
 AxisModel axis_model(const Calibration& calibration, Axis axis) {
@@ -202,52 +172,6 @@ void depth_row(const AxisModel& model, const AxisInput& in, int count, float* de
   } else {
     depths<false, true>(model, in, count, depth_mm, sigma_mm, other_px, sigma_px);
   }
-}
-
-BELTPICK_KERNEL
-RowCounts point_row(const RayRow& rays, float* __restrict depth_mm, const float* __restrict sigma_in_mm,
-                    const std::uint8_t* __restrict flies, PixelState* __restrict state, int count,
-                    float* __restrict point_mm, float* __restrict sigma_mm) {
-  // Bytes in passes of their own: beside them the compiler would take four vectors of floats at a time.
-  int flying = 0;
-  int coded = 0;
-  for (int i = 0; i < count; ++i) {
-    flying += flies[i];
-    coded += state[i] == PixelState::kValid ? 1 : 0;
-  }
-  if (flying > 0) {
-    for (int i = 0; i < count; ++i) depth_mm[i] = flies[i] == 0 ? depth_mm[i] : 0.0F;
-  }
-  // In blocks that leave the processor time to empty its write buffers beside the arithmetic.
-  alignas(64) std::array<float, kTogether> curve_u;
-  alignas(64) std::array<float, kTogether> curve_v;
-  alignas(64) std::array<float, 3 * kTogether> points_mm;
-  alignas(64) std::array<float, kTogether> sigmas_mm;
-  int points = 0;
-  for (int first = 0; first < count; first += kTogether) {
-    const int block = std::min(kTogether, count - first);
-    const bool one_by_one = rays.u != nullptr;
-    if (!one_by_one) {
-      rays_of(rays.curve_u, first, block, curve_u.data());
-      rays_of(rays.curve_v, first, block, curve_v.data());
-    }
-    const float* u = one_by_one ? rays.u + first : curve_u.data();
-    const float* v = one_by_one ? rays.v + first : curve_v.data();
-    const auto in_block = [&](int pixels) {
-      return points_of(u, v, depth_mm + first, sigma_in_mm + first, pixels, points_mm.data(), sigmas_mm.data());
-    };
-    points += block == kTogether ? in_block(kTogether) : in_block(block);
-    stream_copy(points_mm.data(), 3 * static_cast<std::size_t>(block), point_mm + 3 * first);
-    stream_copy(sigmas_mm.data(), static_cast<std::size_t>(block), sigma_mm + first);
-  }
-  if (points == coded) return {points, flying, coded};
-  for (int i = 0; i < count; ++i) {
-    // A code without a depth is one that the geometry contradicts.
-    const auto contradicted = static_cast<int>(depth_mm[i] > 0.0F ? PixelState::kValid : PixelState::kOrderUncertain);
-    const int reason = flies[i] != 0 ? static_cast<int>(PixelState::kEdge) : contradicted;
-    state[i] = static_cast<PixelState>(state[i] == PixelState::kValid ? reason : static_cast<int>(state[i]));
-  }
-  return {points, flying, coded};
 }
 
 }  // namespace beltpick::range

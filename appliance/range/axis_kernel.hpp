@@ -54,24 +54,4 @@ void depth_row(const AxisModel& model, const AxisInput& in, int count, float* de
 void depth_row(const AxisModel& model, const AxisInput& in, int count, float* depth_mm, float* sigma_mm,
                float* other_px, float* sigma_px);
 
-// One coordinate of a row's rays, by blocks of pixels: at[k] + t (slope[k] + t bend[k]) at pixel t of block k.
-struct RayCurve {
-  const float *at = nullptr, *slope = nullptr, *bend = nullptr;
-};
-// The rays (u, v, 1) of one image row: as curves, or, where these do not fit, one by one.
-struct RayRow {
-  RayCurve curve_u{}, curve_v{};
-  const float *u = nullptr, *v = nullptr;  // null: the curves
-};
-
-struct RowCounts {
-  int points = 0, flying = 0;
-  int coded = 0;  // states that are valid
-};
-
-// point_mm = depth ray, and sigma_mm the sigma given; both 0 where the depth is 0 or `flies` is set: there the depth
-// becomes 0, and a valid state kOrderUncertain or kEdge. Both are written past the caches: stream_end() after the last.
-RowCounts point_row(const RayRow& rays, float* depth_mm, const float* sigma_in_mm, const std::uint8_t* flies,
-                    PixelState* state, int count, float* point_mm, float* sigma_mm);
-
 }  // namespace beltpick::range

@@ -6,6 +6,7 @@
 #include "base/camera_noise.hpp"
 #include "base/kernel.hpp"
 #include "range/lanes.hpp"
+#include "range/point_block.hpp"
 
 namespace beltpick::range {
 namespace {
@@ -44,9 +45,11 @@ BELTPICK_INLINE void block_of(const CurveRow& curves, float floor_variance, int 
   w = w * x + bent_term(0);
   const Lanes other_px = (at.other_px[2] * x + other_term(1)) * x + other_term(0);
   const Lanes amplitude = *loose(modulation) > kLeastAmplitude ? *loose(modulation) : Lanes{} + kLeastAmplitude;
-  const Lanes z = 1.0F / w;
+  const Lanes amplitude_squared = amplitude * amplitude;
+  const Lanes per_both = 1.0F / (w * amplitude_squared);  // two quotients for one division
+  const Lanes z = per_both * amplitude_squared;
   const Lanes mm_per_px = per_code * (z * z);
-  const Lanes variance_px = floor_variance + *loose(sigma) / (amplitude * amplitude);
+  const Lanes variance_px = floor_variance + *loose(sigma) * (per_both * w);
   const Lanes length_squared = at.length_squared + slope.length_squared * kPixel;
   // Positive where both are; of NaN, not.
   const Lanes after_px = other_px - curves.first_other_px;
@@ -100,19 +103,23 @@ void curves_between(const Curve* up, const Curve* down, float below, int blocks,
 }
 
 BELTPICK_KERNEL
-void depth_row(const CurveRow& curves, const AxisInput& in, int count, float* depth_mm, float* sigma_mm) {
+void depth_row(const CurveRow& curves, const AxisInput& in, int count, float* depth_mm, float* sigma_mm,
+               const PointRow* waiting) {
   const float slope_squared = in.noise.slope_px * in.noise.slope_px;
   // The texture is what white light shows; a fringe's mean is half of it.
   const float dark = slope_squared * kCameraNoise.floor_variance;
   const float per_level = slope_squared * (0.5F * kCameraNoise.shot_variance_per_level);
   const float floor_variance = in.noise.floor_px * in.noise.floor_px;
-  const int whole = count / kBlock;
   for (int i = 0; i < count; ++i) sigma_mm[i] = dark + per_level * static_cast<float>(in.texture[i]);
-  for (int k = 0; k < whole; ++k) {
-    const int first = k * kBlock;
-    block_of(curves, floor_variance, k, in.code_px + first, in.modulation + first, depth_mm + first, sigma_mm + first);
+  int at = 0;
+  for (; at + kBlock <= count; at += kBlock) {
+    block_of(curves, floor_variance, at / kBlock, in.code_px + at, in.modulation + at, depth_mm + at, sigma_mm + at);
+    if (waiting != nullptr) write_block(*waiting, at, count);
   }
-  if (whole * kBlock < count) tail_of(curves, floor_variance, whole, count, in, depth_mm, sigma_mm);
+  if (at < count) {
+    tail_of(curves, floor_variance, at / kBlock, count, in, depth_mm, sigma_mm);
+    if (waiting != nullptr) write_block(*waiting, at, count);
+  }
   for (int i = 0; i < count; ++i) sigma_mm[i] = std::sqrt(sigma_mm[i]);
 }
 

@@ -5,6 +5,7 @@
 #include <array>
 
 #include "range/axis_kernel.hpp"
+#include "range/point_kernel.hpp"
 
 namespace beltpick::range {
 
@@ -37,8 +38,10 @@ struct CurveRow {
 // one beyond the image's left edge to one beyond those of its last block.
 void curves_between(const Curve* up, const Curve* down, float below, int blocks, Curve* at, Curve* slope, Curve* bend);
 
-// What depth_row() of axis_kernel.hpp gives, from curves. Room for whole blocks in depth_mm and sigma_mm.
-void depth_row(const CurveRow& curves, const AxisInput& in, int count, float* depth_mm, float* sigma_mm);
+// What depth_row() of axis_kernel.hpp gives, from curves. Room for whole blocks in depth_mm and sigma_mm. If `waiting`
+// is not null, its points are written on the way: the memory takes them while the processor is busy with the depths.
+void depth_row(const CurveRow& curves, const AxisInput& in, int count, float* depth_mm, float* sigma_mm,
+               const PointRow* waiting = nullptr);
 
 // One number of every corner of a row, alike: corners[k + 1] + t (slope[k] + t bend[k]) at pixel t of block k.
 void parabolas_through(const float* corners, int blocks, float* slope, float* bend);

@@ -9,7 +9,7 @@
 
 #include "base/arena.hpp"
 #include "contract/calibration.hpp"
-#include "range/axis_kernel.hpp"
+#include "range/point_kernel.hpp"
 
 namespace beltpick::range {
 

@@ -1,10 +1,11 @@
-// A copy past the caches, for results that are larger than they are and will not be read again soon: without it, every
+// Writes past the caches, for results that are larger than they are and will not be read again soon: without it, every
 // line written is first read from memory, and drives from the caches what the next rows need. Internal to range.
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
 #include <cstring>
+
+#include "range/lanes.hpp"
 
 #if defined(__SSE2__)
 #include <emmintrin.h>
@@ -12,21 +13,19 @@
 
 namespace beltpick::range {
 
-inline void stream_copy(const float* from, std::size_t count, float* to) {
+// Blocks that follow each other in memory, so that whole lines come together, wherever the first begins.
+[[gnu::always_inline]] inline void stream_block(const Lanes& block, float* to) {
 #if defined(__SSE2__)
-  constexpr std::size_t kLine = 16;  // floats of a cache line
-  while (count > 0 && reinterpret_cast<std::uintptr_t>(to) % 64 != 0) {
-    *to++ = *from++;
-    --count;
-  }
-  for (; count >= kLine; count -= kLine, from += kLine, to += kLine) {
-    for (std::size_t i = 0; i < kLine; i += 4) _mm_stream_ps(to + i, _mm_loadu_ps(from + i));
+  if (reinterpret_cast<std::uintptr_t>(to) % 16 == 0) {
+    const auto* from = reinterpret_cast<const float*>(&block);
+    for (int i = 0; i < kBlock; i += 4) _mm_stream_ps(to + i, _mm_load_ps(from + i));
+    return;
   }
 #endif
-  std::memcpy(to, from, count * sizeof(float));
+  std::memcpy(to, &block, sizeof block);
 }
 
-// To be called once after the last copy, before another thread reads.
+// To be called once after the last block, before another thread reads.
 inline void stream_end() {
 #if defined(__SSE2__)
   _mm_sfence();

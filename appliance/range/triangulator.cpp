@@ -26,8 +26,8 @@ Triangulator::Triangulator(Arena& arena, int rows, int cols)
   const std::size_t pixels = static_cast<std::size_t>(rows) * static_cast<std::size_t>(cols);
   const auto width = static_cast<std::size_t>(cols);
   const auto whole_blocks = static_cast<std::size_t>(blocks_along(cols) * kBlock);
-  ray_u_ = arena.take<float>("camera rays", pixels);
-  ray_v_ = arena.take<float>("camera rays", pixels);
+  ray_u_ = arena.take<float>("camera rays", pixels + kBlock);  // rows are read in whole blocks
+  ray_v_ = arena.take<float>("camera rays", pixels + kBlock);
   point_mm_ = arena.take<Vec3f>("range image", pixels);
   sigma_mm_ = arena.take<float>("range image", pixels);
   for (AxisScratch& scratch : scratch_) {
@@ -113,38 +113,44 @@ void Triangulator::measure_both(const CodeImage& band, int band_row, int row, co
   }
 }
 
-void Triangulator::measure_axis(Axis axis, const CodeImage& band, int band_row, int row, const DepthRow& out) {
-  const auto a = static_cast<std::size_t>(axis);
-  const AxisInput in = input(axis, band, band_row, row);
-  if (by_curves_[a]) {
-    depth_row(curves_[a].row(row), in, cols_, out.depth_mm.data(), out.sigma_mm.data());
-  } else {
-    depth_row(models_[a], in, cols_, out.depth_mm.data(), out.sigma_mm.data());
-  }
-}
-
 void Triangulator::measure_row(const CodeImage& band, int band_row, int row) {
-  const DepthRow& out = depths_[static_cast<std::size_t>(row) % 2];
+  const DepthRow& out = depths_of(row);
   const bool columns = !band.column_px.empty();
+  const Axis axis = columns ? Axis::kColumn : Axis::kRow;
+  const auto a = static_cast<std::size_t>(axis);
   if (columns && !band.row_px.empty()) {
     measure_both(band, band_row, row, out);
+  } else if (by_curves_[a]) {
+    // The points that wait are written meanwhile.
+    depth_row(curves_[a].row(row), input(axis, band, band_row, row), cols_, out.depth_mm.data(), out.sigma_mm.data(),
+              waiting_.depth_mm != nullptr ? &waiting_ : nullptr);
+    waiting_ = {};
   } else {
-    measure_axis(columns ? Axis::kColumn : Axis::kRow, band, band_row, row, out);
+    depth_row(models_[a], input(axis, band, band_row, row), cols_, out.depth_mm.data(), out.sigma_mm.data());
   }
+  write_waiting();
   const auto flies = edges_.push(out.depth_mm.data(), out.sigma_mm.data(), band.modulation.row(band_row));
-  if (row > 0) write_points(row - 1, flies);
-  if (row == rows_ - 1) write_points(row, edges_.last());
+  if (row > 0) settle(row - 1, flies);
+  if (row < rows_ - 1) return;
+  write_waiting();
+  settle(row, edges_.last());
+  write_waiting();
 }
 
-void Triangulator::write_points(int row, std::span<const std::uint8_t> flies) {
-  const DepthRow& depths = depths_[static_cast<std::size_t>(row) % 2];
+void Triangulator::settle(int row, std::span<const std::uint8_t> flies) {
+  const DepthRow& depths = depths_of(row);
   const std::size_t at = static_cast<std::size_t>(row) * static_cast<std::size_t>(cols_);
-  const RowCounts counted =
-      point_row(rays_by_curves_ ? rays_.row(row) : RayRow{.u = &ray_u_[at], .v = &ray_v_[at]}, depths.depth_mm.data(),
-                depths.sigma_mm.data(), flies.data(), state_.row(row), cols_, point_mm_[at].data(), &sigma_mm_[at]);
+  const RowCounts counted = settle_row(depths.depth_mm.data(), flies.data(), state_.row(row), cols_);
   counts_.points += counted.points;
   counts_.flying += counted.flying;
   counts_.outside_projector += counted.coded - counted.points - counted.flying;
+  waiting_ = {rays_by_curves_ ? rays_.row(row) : RayRow{.u = &ray_u_[at], .v = &ray_v_[at]}, depths.depth_mm.data(),
+              depths.sigma_mm.data(), point_mm_[at].data(), &sigma_mm_[at]};
+}
+
+void Triangulator::write_waiting() {
+  if (waiting_.depth_mm != nullptr) write_points(waiting_, cols_);
+  waiting_ = {};
 }
 
 Result<RangeImage> Triangulator::begin(const CodeImage& code) {
@@ -156,6 +162,7 @@ Result<RangeImage> Triangulator::begin(const CodeImage& code) {
   }
   state_ = code.state;
   counts_ = {};
+  waiting_ = {};
   edges_.begin(cols_, focal_px_);
   return RangeImage{{point_mm_.data(), rows_, cols_}, {sigma_mm_.data(), rows_, cols_}, code.texture};
 }

@@ -40,7 +40,7 @@ class Triangulator {
 
   // The same in bands of rows, each while its codes still lie in the cache: begin() with the views of texture and state
   // of all rows, then measure_rows() for adjoining bands from row 0 to the last, where row 0 of `band` is row `first`;
-  // the image is complete after that. Points come one row late, since the row below tells where an edge is.
+  // the image is complete after that. Points come two rows late, since the row below tells where an edge is.
   // A further step on a row of depths goes into measure_row(), before edges_.push().
   Result<RangeImage> begin(const CodeImage& code);
   void measure_rows(const CodeImage& band, int first);
@@ -52,24 +52,27 @@ class Triangulator {
   struct AxisScratch {
     std::span<float> depth_mm, sigma_mm, other_px, sigma_px;
   };
-  // The depths of a row, kept until the next one is there to judge its edges.
+  // The depths of a row, kept until the next one is there to judge its edges, and their points until the one after that
+  // gives the memory time to take them.
   struct DepthRow {
     std::span<float> depth_mm, sigma_mm;
   };
+  DepthRow& depths_of(int row) { return depths_[static_cast<std::size_t>(row) % depths_.size()]; }
   [[nodiscard]] AxisInput input(Axis axis, const CodeImage& band, int band_row, int row) const;
   void measure_row(const CodeImage& band, int band_row, int row);
-  // The depths of one axis, by curves where they fit.
-  void measure_axis(Axis axis, const CodeImage& band, int band_row, int row, const DepthRow& out);
   // The depths of both axes, with the better one of each pixel in `out`.
   void measure_both(const CodeImage& band, int band_row, int row, const DepthRow& out);
-  void write_points(int row, std::span<const std::uint8_t> flies);
+  // Takes out what flies in a row; its points wait.
+  void settle(int row, std::span<const std::uint8_t> flies);
+  void write_waiting();
 
   int max_rows_, max_cols_;
   std::span<float> ray_u_, ray_v_;
   std::span<Vec3f> point_mm_;
   std::span<float> sigma_mm_;
   std::array<AxisScratch, 2> scratch_;  // by Axis
-  std::array<DepthRow, 2> depths_;      // of even and of odd rows
+  std::array<DepthRow, 3> depths_;
+  PointRow waiting_;  // settled, but not written; none where its depths are null
   EdgeFilter edges_;
   std::array<AxisModel, 2> models_;
   std::array<DepthCurves, 2> curves_;  // by Axis
