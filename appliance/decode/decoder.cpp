@@ -118,6 +118,7 @@ Result<void> Decoder::fold_any(int index, ImageView<const Pixel> image) {
     fold_row(context_, work, image.row(row), row);
     check_.sample_row(index, row, image.row(row));
   }
+  check_.sample_lines(index, image);
   fold_repeated(index, image);
   ++next_frame_;
   return {};
@@ -186,8 +187,8 @@ void Decoder::measure_ripples() {
   for (std::size_t c = 0; c < plan.channels.size(); ++c) {
     Ripple& ripple = context_.ripples[c] = {};
     if (!plan.correct_ripple) continue;
-    ripple = pixel_bytes_ == 1 ? measure_ripple<std::uint8_t>(context_, plan.channels[c], rows_)
-                               : measure_ripple<std::uint16_t>(context_, plan.channels[c], rows_);
+    ripple = pixel_bytes_ == 1 ? measure_ripple<std::uint8_t>(context_, scratch_, static_cast<int>(c))
+                               : measure_ripple<std::uint16_t>(context_, scratch_, static_cast<int>(c));
   }
   for (std::size_t c = 0; c < plan.channels.size(); ++c) borrow_ripple(plan, c, context_.ripples);
 }

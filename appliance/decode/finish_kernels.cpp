@@ -13,43 +13,6 @@ namespace {
 
 #define BELTPICK_INLINE [[gnu::always_inline]] inline
 
-// atan(r) / 2 pi for r in [0, 1]: Abramowitz and Stegun 4.4.49 (error below 2e-8 rad) over 2 pi.
-BELTPICK_INLINE float octant_turns(float r) {
-  constexpr float kTurn = 0.15915494309F;
-  const float q = r * r;
-  const float q2 = q * q;
-  const float q4 = q2 * q2;
-  // In pairs of terms, which vector units work out side by side.
-  const float p01 = 1.0F - 0.3333314528F * q;
-  const float p23 = 0.1999355085F - 0.1420889944F * q;
-  const float p45 = 0.1065626393F - 0.0752896400F * q;
-  const float p67 = 0.0429096138F - 0.0161657367F * q;
-  const float p = (p01 + p23 * q2) + (p45 + p67 * q2 + (0.0028662257F * q4)) * q4;
-  return p * r * kTurn;
-}
-
-BELTPICK_INLINE float turns(float sine, float cosine) {
-  const float s = std::fabs(sine);
-  const float c = std::fabs(cosine);
-  const float larger = std::max(s, c);
-  const float smaller = std::min(s, c);
-  float t = octant_turns(smaller / std::max(larger, 1e-20F));
-  t = s > c ? 0.25F - t : t;
-  t = cosine < 0.0F ? 0.5F - t : t;
-  return sine < 0.0F ? -t : t;
-}
-
-template <class Sum>
-BELTPICK_INLINE void fringe(const Sum* cosine, const Sum* sine, int count, float scale, float* turn,
-                            float* amplitude8) {
-  for (int i = 0; i < count; ++i) {
-    const auto c = static_cast<float>(cosine[i]);
-    const auto s = static_cast<float>(sine[i]);
-    turn[i] = turns(s, c);
-    amplitude8[i] = std::sqrt(c * c + s * s) * scale;
-  }
-}
-
 template <class Pixel>
 BELTPICK_INLINE void levels_between(const Pixel* white, const Pixel* black, int count, float scale, float* mean8,
                                     float* half8) {
@@ -71,6 +34,12 @@ BELTPICK_INLINE std::uint8_t level_byte(float level8) {
 
 template <class Pixel>
 BELTPICK_INLINE void texture_of(const Pixel* white, int count, float scale, std::uint8_t* texture) {
+  if constexpr (sizeof(Pixel) == 1) {
+    if (scale == 1.0F) {
+      std::copy_n(white, count, texture);
+      return;
+    }
+  }
   for (int i = 0; i < count; ++i) texture[i] = level_byte(static_cast<float>(white[i]) * scale);
 }
 
@@ -87,16 +56,6 @@ BELTPICK_INLINE std::uint8_t unless_far(std::uint8_t weak) {
 }
 
 }  // namespace
-
-BELTPICK_KERNEL
-void fringe_row(const std::int16_t* cosine, const std::int16_t* sine, int count, float scale, float* turn,
-                float* amplitude8) {
-  fringe(cosine, sine, count, scale, turn, amplitude8);
-}
-BELTPICK_KERNEL
-void fringe_row(const float* cosine, const float* sine, int count, float scale, float* turn, float* amplitude8) {
-  fringe(cosine, sine, count, scale, turn, amplitude8);
-}
 
 BELTPICK_KERNEL
 void levels_row(const std::uint8_t* white, const std::uint8_t* black, int count, float scale, float* mean8,

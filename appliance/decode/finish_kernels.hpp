@@ -1,4 +1,5 @@
-// What finishing does to one row of pixels: fringes to phase and amplitude, Gray bits to cells, both to coordinates.
+// What finishing does to one row of pixels: Gray bits and phases to
+// coordinates, light to states.
 // Internal to decode. "level8": grey levels scaled to 0..255.
 #pragma once
 
@@ -7,11 +8,6 @@
 #include "base/stages.hpp"
 
 namespace beltpick::decode {
-
-// turn = atan2(sine, cosine) / 2 pi in [-0.5, 0.5] (error below 1e-7 turns); amplitude8 = |(cosine, sine)| * scale.
-void fringe_row(const std::int16_t* cosine, const std::int16_t* sine, int count, float scale, float* turn,
-                float* amplitude8);
-void fringe_row(const float* cosine, const float* sine, int count, float scale, float* turn, float* amplitude8);
 
 // mean8 = (white + black) / 2 * scale, half8 = (white - black) / 2 * scale.
 void levels_row(const std::uint8_t* white, const std::uint8_t* black, int count, float scale, float* mean8,

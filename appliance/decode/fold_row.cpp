@@ -2,6 +2,7 @@
 
 #include "decode/fold_kernels.hpp"
 #include "decode/gray_rows.hpp"
+#include "decode/phase_kernels.hpp"
 #include "decode/row_decoder.hpp"
 
 namespace beltpick::decode {
@@ -37,11 +38,12 @@ FringeRows<Pixel> frames_together(const RowContext& context, const Accumulate& w
 template <class Pixel>
 void accumulate(const RowContext& context, const Accumulate& work, const Pixel* levels, int row) {
   const PhaseChannel& channel = context.plan->channels[static_cast<std::size_t>(work.channel)];
-  accumulate_row(frames_together(context, work, levels, row), context.cols,
-                 context.store.row<SumOf<Pixel>>(channel.cosine_plane, row),
-                 context.store.row<SumOf<Pixel>>(channel.sine_plane, row),
+  auto* cosine = context.store.row<SumOf<Pixel>>(channel.cosine_plane, row);
+  auto* sine = context.store.row<SumOf<Pixel>>(channel.sine_plane, row);
+  accumulate_row(frames_together(context, work, levels, row), context.cols, cosine, sine,
                  context.store.row<MeanOf<Pixel>>(channel.mean_plane, row),
                  context.store.row<std::uint8_t>(context.plan->flags_plane, row));
+  if (work.last) phase_row(cosine, sine, context.cols);
 }
 
 template <class Pixel>

@@ -50,6 +50,15 @@ bool all_of_exposure(const ProbeLevels& levels, const GrayCode& code) {
 
 }  // namespace
 
+BELTPICK_KERNEL
+std::uint16_t* widen_row(const std::uint8_t* pixels, int count, std::uint16_t* out) {
+  for (int i = 0; i < count; ++i) out[i] = pixels[i];
+  return out + count;
+}
+std::uint16_t* widen_row(const std::uint16_t* pixels, int count, std::uint16_t* out) {
+  return std::copy_n(pixels, count, out);
+}
+
 FrameCheck::FrameCheck(Arena& arena, int rows, int cols, int frames) : probes_(arena, rows, cols, frames) {
   const auto count = static_cast<std::size_t>(FrameProbes::kRowLines * cols + FrameProbes::kColumnLines * rows);
   low8_ = arena.take<float>("frame probes", count);

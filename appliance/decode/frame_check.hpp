@@ -103,6 +103,10 @@ class FrameCheck {
   void sample_row(int index, int row, const Pixel* pixels) {
     probes_.sample_row(index, row, pixels);
   }
+  template <class Pixel>
+  void sample_lines(int index, ImageView<const Pixel> image) {
+    probes_.sample_lines(index, image);
+  }
 
   // Errors: kFrameBlack, kFrameDuplicated, kFrameMissing, kSequenceOrderWrong, each naming the frame's file; kFocusOff,
   // kBeltMovedDuringCapture.

@@ -12,6 +12,10 @@
 
 namespace beltpick::decode {
 
+// Copies a row of pixels; returns what follows the copy.
+std::uint16_t* widen_row(const std::uint8_t* pixels, int count, std::uint16_t* out);
+std::uint16_t* widen_row(const std::uint16_t* pixels, int count, std::uint16_t* out);
+
 class FrameProbes {
  public:
   static constexpr int kRowLines = 6;
@@ -31,18 +35,18 @@ class FrameProbes {
     }
   }
 
-  // Keeps what of the lines of frame `index` crosses image row `row`: to be called for every row, while the row lies in
-  // the cache.
+  // Keeps what of the column lines of frame `index` crosses image row `row`: to be called for every row, while it lies
+  // in the cache.
   template <class Pixel>
   void sample_row(int index, int row, const Pixel* pixels) {
-    std::uint16_t* out = &levels_[static_cast<std::size_t>(index) * capacity_];
-    for (int line = 0; line < kRowLines; ++line) {
-      if (row == row_of_line_[static_cast<std::size_t>(line)]) std::copy_n(pixels, cols_, out + line * cols_);
-    }
-    std::uint16_t* down = out + kRowLines * cols_ + row;
-    for (int line = 0; line < kColumnLines; ++line) {
-      down[line * rows_] = pixels[col_of_line_[static_cast<std::size_t>(line)]];
-    }
+    std::uint16_t* down = frame(index) + kRowLines * cols_ + row;
+    for (std::size_t line = 0; line < kColumnLines; ++line, down += rows_) *down = pixels[col_of_line_[line]];
+  }
+  // Keeps the row lines of frame `index`.
+  template <class Pixel>
+  void sample_lines(int index, ImageView<const Pixel> image) {
+    std::uint16_t* out = frame(index);
+    for (const int row : row_of_line_) out = widen_row(image.row(row), cols_, out);
   }
 
   [[nodiscard]] int frames() const { return max_frames_; }
@@ -62,6 +66,8 @@ class FrameProbes {
   }
 
  private:
+  std::uint16_t* frame(int index) { return levels_.data() + static_cast<std::size_t>(index) * capacity_; }
+
   std::size_t capacity_ = 0;  // probes of one frame
   int max_frames_ = 0;
   std::span<std::uint16_t> levels_;

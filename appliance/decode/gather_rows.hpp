@@ -15,7 +15,16 @@ void gather_gray(const RowContext& context, const GrayCode& code, RowScratch& sc
 template <class Pixel>
 void gather_levels(const RowContext& context, const Reference& reference, RowScratch& scratch, int row);
 
-// Phase, with the ripple taken off, and amplitude of a channel.
+// Phase, in turns, and amplitude of a channel, as folding left them.
+template <class Pixel>
+void gather_phase(const RowContext& context, int channel, std::span<float> turn, std::span<float> amplitude8, int row);
+struct Phase {
+  float turn, amplitude8;
+};
+template <class Pixel>
+Phase phase_at(const RowContext& context, int channel, int row, int col);
+
+// The same with the ripple taken off the phase.
 template <class Pixel>
 void gather_fringe(const RowContext& context, int channel, std::span<float> turn, std::span<float> amplitude8, int row);
 

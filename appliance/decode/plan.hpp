@@ -23,7 +23,7 @@ inline constexpr int kStateBytes = 16;
 
 // What a pixel takes, for cameras of 8 and of 16 bits.
 enum class PlaneKind : std::uint8_t {
-  kSum,    // fringe component: int16 or float
+  kSum,    // fringe component, later phase or amplitude: int16 or float
   kMean,   // sum of phase frames: uint16 or float
   kRaw,    // a frame's pixels: uint8 or uint16
   kBits,   // a Gray bit and whether it is weak: two bits; rows as fold_kernels.hpp lays them out
@@ -36,6 +36,7 @@ int plane_bits(PlaneKind kind, int pixel_bytes);
 struct PhaseChannel {
   double period_px = 0.0;
   int frames = 0;
+  // Once the last frame has come: phase and amplitude, see phase_kernels.hpp.
   int cosine_plane = kNone, sine_plane = kNone;
   int mean_plane = kNone;       // only where a threshold or the texture needs it
   double counts_per_level = 1;  // of the int16 sums
@@ -111,6 +112,7 @@ struct Accumulate {
   int together = 0;
   std::array<int, kMaxTogether - 1> earlier{};
   bool first = false;  // sets the sums instead of adding to them
+  bool last = false;   // the sums are whole: phase and amplitude take their place
   bool first_flags = false;
   std::uint8_t saturation_bit = 0;
 };

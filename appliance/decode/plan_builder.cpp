@@ -177,6 +177,7 @@ void PlanBuilder::group_frames(const PhaseFit& fit) {
     const int last_frame = fit.frames[static_cast<std::size_t>(last)];
     Accumulate& accumulate = work(last_frame).accumulate;
     accumulate.first = group == 0;
+    accumulate.last = group == groups - 1;
     accumulate.together = last - begin + 1;
     for (int n = begin; n < last; ++n) {
       const int frame = fit.frames[static_cast<std::size_t>(n)];

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "base/units.hpp"
+#include "decode/gather_rows.hpp"
 #include "decode/phase_advance.hpp"
 
 namespace beltpick::decode {
@@ -28,25 +29,22 @@ constexpr double kPriorBend = 0.4;
 
 constexpr int kViewLines = 8;
 
-// Fringe components of a channel as they lie in the store.
-template <class Sum>
+// Phases of a channel as they lie in the store.
+template <class Pixel>
 struct Fringe {
   const RowContext& context;
-  const PhaseChannel& channel;
-  float least;  // amplitude, in counts
+  int channel;
 
   // The phase in turns; NaN where the fringe is weak.
   [[nodiscard]] double turn(int row, int col) const {
-    const auto cosine = static_cast<double>(context.store.row<const Sum>(channel.cosine_plane, row)[col]);
-    const auto sine = static_cast<double>(context.store.row<const Sum>(channel.sine_plane, row)[col]);
-    if (std::hypot(cosine, sine) < static_cast<double>(least)) return NAN;
-    return std::atan2(sine, cosine) / (2.0 * kPi);
+    const Phase phase = phase_at<Pixel>(context, channel, row, col);
+    return phase.amplitude8 < kLeastAmplitude8 ? NAN : static_cast<double>(phase.turn);
   }
 };
 
 // Of some rows and columns of the image, the most periods along one.
-template <class Sum>
-double periods_in_view(const Fringe<Sum>& fringe, int rows, int cols) {
+template <class Pixel>
+double periods_in_view(const Fringe<Pixel>& fringe, int rows, int cols) {
   double most = 0.0;
   for (int line = 0; line < kViewLines && most < kEvenlySpreadPeriods; ++line) {
     const int row = (2 * line + 1) * rows / (2 * kViewLines);
@@ -68,12 +66,11 @@ Terms terms_at(double x, double y) {
 RippleMeter::RippleMeter(int steps, double offset_rad, int rows, int cols)
     : steps_(steps), rows_(rows), cols_(cols), row_step_(std::max(1, rows / kSampledRows)), offset_rad_(offset_rad) {}
 
-template <class Sum>
-void RippleMeter::add_row(int row, const Sum* cosine, const Sum* sine, const std::uint8_t* flags,
-                          std::uint8_t saturation_bits, float least) {
+void RippleMeter::add_row(int row, const float* turn, const float* amplitude8, const std::uint8_t* flags,
+                          std::uint8_t saturation_bits) {
   std::array<RippleSums, kMostBlocks> sums;
   const int blocks = std::min(cols_ / kRippleBlock, kMostBlocks);
-  ripple_sums_row(cosine, sine, flags, saturation_bits, least, steps_, blocks, sums.data());
+  ripple_sums_row(turn, amplitude8, flags, saturation_bits, kLeastAmplitude8, steps_, blocks, sums.data());
   Tile* tiles = &tiles_[static_cast<std::size_t>(row * kTileRows / rows_ * kTileCols)];
   for (int b = 0; b < blocks; ++b) {
     const RippleSums& block = sums[static_cast<std::size_t>(b)];
@@ -141,24 +138,21 @@ bool RippleMeter::fit_order(int order, std::array<float, kRippleTerms>& amplitud
 }
 
 template <class Pixel>
-Ripple measure_ripple(const RowContext& context, const PhaseChannel& channel, int rows) {
-  using Sum = std::conditional_t<sizeof(Pixel) == 1, std::int16_t, float>;
-  if (channel.equal_steps == 0 || channel.equal_steps > kMostSteps) return {};
-  const double counts = sizeof(Pixel) == 1 ? channel.counts_per_level : 1.0;
-  const float least = kLeastAmplitude8 / context.to_level8() * static_cast<float>(counts);
-  if (periods_in_view(Fringe<Sum>{context, channel, least}, rows, context.cols) < kEvenlySpreadPeriods) return {};
-  RippleMeter meter(channel.equal_steps, channel.offset_rad, rows, context.cols);
-  for (int row = 0; row < rows; row += meter.row_step()) {
-    meter.add_row(row, context.store.row<const Sum>(channel.cosine_plane, row),
-                  context.store.row<const Sum>(channel.sine_plane, row),
-                  context.store.row<const std::uint8_t>(context.plan->flags_plane, row), channel.saturation_bits,
-                  least);
+Ripple measure_ripple(const RowContext& context, RowScratch& scratch, int channel) {
+  const PhaseChannel& fringes = context.plan->channels[static_cast<std::size_t>(channel)];
+  if (fringes.equal_steps == 0 || fringes.equal_steps > kMostSteps) return {};
+  if (periods_in_view(Fringe<Pixel>{context, channel}, context.rows, context.cols) < kEvenlySpreadPeriods) return {};
+  RippleMeter meter(fringes.equal_steps, fringes.offset_rad, context.rows, context.cols);
+  for (int row = 0; row < context.rows; row += meter.row_step()) {
+    gather_phase<Pixel>(context, channel, scratch.turn[0], scratch.amplitude8[0], row);
+    meter.add_row(row, scratch.turn[0].data(), scratch.amplitude8[0].data(),
+                  context.store.row<const std::uint8_t>(context.plan->flags_plane, row), fringes.saturation_bits);
   }
   return meter.fit();
 }
 
-template Ripple measure_ripple<std::uint8_t>(const RowContext&, const PhaseChannel&, int);
-template Ripple measure_ripple<std::uint16_t>(const RowContext&, const PhaseChannel&, int);
+template Ripple measure_ripple<std::uint8_t>(const RowContext&, RowScratch&, int);
+template Ripple measure_ripple<std::uint16_t>(const RowContext&, RowScratch&, int);
 
 void correct_ripple_row(const Ripple& ripple, int row, int rows, int cols, float* turn) {
   const float y = 2.0F * static_cast<float>(row) / static_cast<float>(std::max(rows - 1, 1)) - 1.0F;

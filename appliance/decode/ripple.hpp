@@ -23,11 +23,10 @@ class RippleMeter {
 
   // Rows are taken every row_step() rows: enough to know, and cheap.
   [[nodiscard]] int row_step() const { return row_step_; }
-  // Fringe components of a row. Blocks of pixels with a saturated or a weak one (amplitude below `least`, in counts)
-  // are left out whole: a choice by pixel would favour some phases.
-  template <class Sum>
-  void add_row(int row, const Sum* cosine, const Sum* sine, const std::uint8_t* flags, std::uint8_t saturation_bits,
-               float least);
+  // Phases and amplitudes of a row. Blocks of pixels with a saturated or a weak one are left out whole: a choice by
+  // pixel would favour some phases.
+  void add_row(int row, const float* turn, const float* amplitude8, const std::uint8_t* flags,
+               std::uint8_t saturation_bits);
   // Ripple::orders is 0 where nothing significant was found, or too few pixels.
   [[nodiscard]] Ripple fit() const;
 
@@ -48,7 +47,7 @@ class RippleMeter {
 // Measures the ripple of a channel of the capture in `context`; none where its steps keep harmonics out,
 // or where the view holds too few of its periods.
 template <class Pixel>
-Ripple measure_ripple(const RowContext& context, const PhaseChannel& channel, int rows);
+Ripple measure_ripple(const RowContext& context, RowScratch& scratch, int channel);
 
 // Takes the ripple out of a row's phases.
 void correct_ripple_row(const Ripple& ripple, int row, int rows, int cols, float* turn);

@@ -18,19 +18,29 @@ BELTPICK_INLINE float sum_of(float* values) {
   return values[0];
 }
 
-template <class Sum>
-BELTPICK_INLINE RippleSums sums_of_block(const Sum* cosine, const Sum* sine, const std::uint8_t* flags,
-                                         std::uint8_t flag_bits, float least_squared, int steps) {
+// sin(2 pi t) by its odd series to the ninth power after folding t into a quarter turn: error below 4e-6.
+BELTPICK_INLINE float sine_of_turns(float t) {
+  const float whole = t - std::floor(t + 0.5F);
+  const float magnitude = std::fabs(whole);
+  const float folded = magnitude > 0.25F ? 0.5F - magnitude : magnitude;
+  const float q = folded * folded;
+  float s = 42.0586939F;
+  s = s * q - 76.7058598F;
+  s = s * q + 81.6052493F;
+  s = s * q - 41.3417022F;
+  s = s * q + 6.2831853F;
+  s *= folded;
+  return whole < 0.0F ? -s : s;
+}
+
+BELTPICK_INLINE RippleSums sums_of_block(const float* turn, const float* amplitude8, const std::uint8_t* flags,
+                                         std::uint8_t flag_bits, float least8, int steps) {
   float u[kRippleBlock], v[kRippleBlock], p[kRippleBlock], q[kRippleBlock];
   int unfit = 0;
   for (int i = 0; i < kRippleBlock; ++i) {
-    const auto c = static_cast<float>(cosine[i]);
-    const auto s = static_cast<float>(sine[i]);
-    const float squared = c * c + s * s;
-    unfit |= (flags[i] & flag_bits) | (squared < least_squared ? 1 : 0);
-    const float scale = 1.0F / std::sqrt(std::max(squared, 1e-12F));
-    p[i] = u[i] = c * scale;
-    q[i] = v[i] = s * scale;
+    unfit |= (flags[i] & flag_bits) | (amplitude8[i] < least8 ? 1 : 0);
+    p[i] = u[i] = sine_of_turns(turn[i] + 0.25F);
+    q[i] = v[i] = sine_of_turns(turn[i]);
   }
   RippleSums sums;
   if (unfit != 0) return sums;
@@ -56,41 +66,15 @@ BELTPICK_INLINE RippleSums sums_of_block(const Sum* cosine, const Sum* sine, con
   return sums;
 }
 
-template <class Sum>
-BELTPICK_INLINE void sums_of_row(const Sum* cosine, const Sum* sine, const std::uint8_t* flags, std::uint8_t flag_bits,
-                                 float least, int steps, int blocks, RippleSums* sums) {
-  for (int b = 0; b < blocks; ++b) {
-    const int at = b * kRippleBlock;
-    sums[b] = sums_of_block(cosine + at, sine + at, flags + at, flag_bits, least * least, steps);
-  }
-}
-
-// sin(2 pi t) by its odd series to the ninth power after folding t into a quarter turn: error below 4e-6.
-BELTPICK_INLINE float sine_of_turns(float t) {
-  const float whole = t - std::floor(t + 0.5F);
-  const float magnitude = std::fabs(whole);
-  const float folded = magnitude > 0.25F ? 0.5F - magnitude : magnitude;
-  const float q = folded * folded;
-  float s = 42.0586939F;
-  s = s * q - 76.7058598F;
-  s = s * q + 81.6052493F;
-  s = s * q - 41.3417022F;
-  s = s * q + 6.2831853F;
-  s *= folded;
-  return whole < 0.0F ? -s : s;
-}
-
 }  // namespace
 
 BELTPICK_KERNEL
-void ripple_sums_row(const std::int16_t* cosine, const std::int16_t* sine, const std::uint8_t* flags,
-                     std::uint8_t flag_bits, float least, int steps, int blocks, RippleSums* sums) {
-  sums_of_row(cosine, sine, flags, flag_bits, least, steps, blocks, sums);
-}
-BELTPICK_KERNEL
-void ripple_sums_row(const float* cosine, const float* sine, const std::uint8_t* flags, std::uint8_t flag_bits,
-                     float least, int steps, int blocks, RippleSums* sums) {
-  sums_of_row(cosine, sine, flags, flag_bits, least, steps, blocks, sums);
+void ripple_sums_row(const float* turn, const float* amplitude8, const std::uint8_t* flags, std::uint8_t flag_bits,
+                     float least8, int steps, int blocks, RippleSums* sums) {
+  for (int b = 0; b < blocks; ++b) {
+    const int at = b * kRippleBlock;
+    sums[b] = sums_of_block(turn + at, amplitude8 + at, flags + at, flag_bits, least8, steps);
+  }
 }
 
 BELTPICK_KERNEL

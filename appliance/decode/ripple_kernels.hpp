@@ -15,11 +15,10 @@ struct RippleSums {
   std::array<float, kRippleOrders> cosine{}, sine{};
 };
 
-// For each whole block of kRippleBlock pixels of a row, of the phase p of (cosine, sine).
-void ripple_sums_row(const std::int16_t* cosine, const std::int16_t* sine, const std::uint8_t* flags,
-                     std::uint8_t flag_bits, float least, int steps, int blocks, RippleSums* sums);
-void ripple_sums_row(const float* cosine, const float* sine, const std::uint8_t* flags, std::uint8_t flag_bits,
-                     float least, int steps, int blocks, RippleSums* sums);
+// For each whole block of kRippleBlock pixels of a row, of the phase p in turns; left out where an amplitude is below
+// `least8` or a flag has one of the bits.
+void ripple_sums_row(const float* turn, const float* amplitude8, const std::uint8_t* flags, std::uint8_t flag_bits,
+                     float least8, int steps, int blocks, RippleSums* sums);
 
 // How one order's correction runs along a row: amplitude = clamp(a + x (b + x c)), x from -1 to 1 over the row.
 struct RippleRow {
