@@ -39,12 +39,33 @@ double fragment_reach_mm(std::span<const PartModel> models) {
   return kFragmentReachShare * largest;
 }
 
+// The pixels on every `step`-th row and column of the image, those that a part's surroundings may show: what lies so
+// near the part, at no less than half its distance from the camera, appears so near the region in which it was drawn.
+result::Region round_part(const Candidate& candidate, const PartModel& model, const result::Scene& scene,
+                          double reach_mm, int step) {
+  const double nearest_mm = std::max(1.0, 0.5 * (candidate.alignment.T_camera_part * model.centre_mm).z());
+  const int reach_px = static_cast<int>(reach_mm * std::max(scene.lens.fx_px, scene.lens.fy_px) / nearest_mm) + 1;
+  const auto on_lattice = [step](int px) { return std::max(0, px) / step * step; };
+  const result::Region& drawn = candidate.region;
+  return {on_lattice(drawn.row_min - reach_px), std::min(scene.labels.rows - 1, drawn.row_max + reach_px),
+          on_lattice(drawn.col_min - reach_px), std::min(scene.labels.cols - 1, drawn.col_max + reach_px)};
+}
+
 // What of the image each of two poses explains.
 result::Rivalry contend(const Candidate& a, const Candidate& b, const result::Scene& scene,
                         std::span<const PartModel> models) {
-  return result::compare({models[static_cast<std::size_t>(a.model_index)], a.alignment.T_camera_part},
-                         {models[static_cast<std::size_t>(b.model_index)], b.alignment.T_camera_part}, scene,
-                         {0, scene.labels.rows - 1, 0, scene.labels.cols - 1}, 4);
+  constexpr int kStep = 4;
+  const PartModel& model_a = models[static_cast<std::size_t>(a.model_index)];
+  const PartModel& model_b = models[static_cast<std::size_t>(b.model_index)];
+  const auto region_of = [&](const Candidate& candidate, const PartModel& model) {
+    const double reach_mm = 2.0 * model.spacing_mm + result::surface_tolerance_mm(scene, model.spacing_mm);
+    return round_part(candidate, model, scene, reach_mm, kStep);
+  };
+  const result::Region first = region_of(a, model_a), second = region_of(b, model_b);
+  return result::compare({model_a, a.alignment.T_camera_part}, {model_b, b.alignment.T_camera_part}, scene,
+                         {std::min(first.row_min, second.row_min), std::max(first.row_max, second.row_max),
+                          std::min(first.col_min, second.col_min), std::max(first.col_max, second.col_max)},
+                         kStep);
 }
 
 }  // namespace
@@ -264,7 +285,7 @@ LocatedPart Locator::describe(const result::Scene& scene, std::span<const PartMo
   part.hidden_share = candidate.evidence.occluded;
   part.score = result::score(candidate.evidence);
   part.covariance = candidate.alignment.covariance;
-  part.touches_neighbour = touches_neighbour(scene, model, part.T_camera_part);
+  part.touches_neighbour = touches_neighbour(scene, model, candidate);
   drawing_.draw(model, part.T_camera_part, scene.lens);
   part.top_mm = -std::numeric_limits<double>::max();
   for (const result::VisiblePoint& point : drawing_.visible()) {
@@ -274,15 +295,15 @@ LocatedPart Locator::describe(const result::Scene& scene, std::span<const PartMo
   return part;
 }
 
-bool Locator::touches_neighbour(const result::Scene& scene, const PartModel& model,
-                                const result::PartPose& T_camera_part) const {
-  const auto T_part_camera = T_camera_part.inverse();
+bool Locator::touches_neighbour(const result::Scene& scene, const PartModel& model, const Candidate& candidate) const {
+  const auto T_part_camera = candidate.alignment.T_camera_part.inverse();
   const float own_mm =
       static_cast<float>(3.0 * result::surface_tolerance_mm(scene, model.spacing_mm)) + model.spacing_mm;
   constexpr int kStep = 3;
   int touching = 0;
-  for (int row = 0; row < scene.labels.rows; row += kStep) {
-    for (int col = 0; col < scene.labels.cols; col += kStep) {
+  const result::Region near = round_part(candidate, model, scene, static_cast<double>(own_mm + kTouch_mm), kStep);
+  for (int row = near.row_min; row <= near.row_max; row += kStep) {
+    for (int col = near.col_min; col <= near.col_max; col += kStep) {
       if (scene.labels(row, col) == 0 || !scene.range.valid(row, col)) continue;
       const Vec3f at = (T_part_camera * scene.range.point_mm(row, col).cast<double>()).cast<float>();
       if (model.outside_box_mm(at) > own_mm + kTouch_mm) continue;

@@ -71,7 +71,7 @@ class Locator {
   void mark_contacts(std::span<const PartModel> models);
   LocatedPart describe(const result::Scene& scene, std::span<const PartModel> models, const Accepted& accepted);
   [[nodiscard]] bool touches_neighbour(const result::Scene& scene, const PartModel& model,
-                                       const result::PartPose& T_camera_part) const;
+                                       const Candidate& candidate) const;
 
   ObjectBook book_;
   result::Drawing drawing_;
