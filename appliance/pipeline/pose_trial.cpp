@@ -19,6 +19,10 @@ constexpr double kWorthFinishing = 0.5;
 // A rival below this share of the champion's strength has lost already.
 constexpr double kRivalStrength = 0.8;
 constexpr int kFinishedRivals = 8;
+// Of the measured pixels that the champion explains, so many must a pose explain to be worth finishing; every so many
+// rows and columns are counted.
+constexpr double kWorthyPixels = 0.5;
+constexpr int kPixelStep = 4;
 
 // Of each model, how many poses are tried that put nearly the same surface there.
 constexpr std::size_t kLookalikes = 3;
@@ -34,6 +38,17 @@ double explained(const Candidate& candidate) {
 // Whether a pose explains so little of what another one does that it need not be compared with it.
 bool hopeless(const Candidate& rival, const Candidate& champion) {
   return explained(rival) < kRivalStrength * explained(champion);
+}
+
+// Whether a pose, aligned but not finished, explains far fewer of the measured pixels than the champion. Both are asked
+// about the same pixels: what of either lies in shadow counts for neither.
+bool far_behind(const Candidate& other, const Candidate& champion, const result::Scene& scene,
+                std::span<const PartModel> models) {
+  const result::Rivalry rivalry =
+      result::compare({models[static_cast<std::size_t>(champion.model_index)], champion.alignment.T_camera_part},
+                      {models[static_cast<std::size_t>(other.model_index)], other.alignment.T_camera_part}, scene,
+                      {0, scene.labels.rows - 1, 0, scene.labels.cols - 1}, kPixelStep);
+  return rivalry.both + rivalry.only_second < kWorthyPixels * (rivalry.both + rivalry.only_first);
 }
 
 // A part that its mirror image covers to this share has no handedness worth telling.
@@ -176,13 +191,15 @@ void PoseFinder::add_lookalikes(const Context& context, const Candidate& champio
   }
 }
 
-// Aligned and finished, the other becomes a candidate, unless it ends where the champion is.
+// Aligned and finished, the other becomes a candidate, unless it ends where the champion is. Beside a champion with
+// blemishes none is left out: a cleaner pose may take its place though it explains less.
 void PoseFinder::add_challenger(const Context& context, const Candidate& champion, Candidate& other) {
   if (candidate_count_ == kMaxCandidates) return;
   const PartModel& model = context.models[static_cast<std::size_t>(champion.model_index)];
   if (same_place(other, champion, model)) return;
   align_fully(context, other);
   if (same_place(other, champion, model)) return;
+  if (!champion.evidence.blemishes.any() && far_behind(other, champion, context.scene, context.models)) return;
   finish(context, other);
   if (same_place(other, champion, model)) return;
   candidates_[static_cast<std::size_t>(candidate_count_++)] = other;
@@ -241,6 +258,7 @@ bool PoseFinder::beats_mirror_image(const Context& context, const Candidate& cha
     rival.hypothesis = hypothesis;
     rival.alignment.T_camera_part = hypothesis.T_camera_part;
     align_fully(context, rival);
+    if (far_behind(rival, champion, context.scene, context.models)) continue;
     finish(context, rival);
     if (hopeless(rival, champion) || rival.evidence.blemishes.any()) continue;
     if (same_surface(model, rival.alignment.T_camera_part, pose, tolerance_mm)) continue;
