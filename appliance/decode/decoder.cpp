@@ -96,6 +96,7 @@ Result<void> Decoder::begin(const FoldPlan& plan, int rows, int cols, int pixel_
   context_.cols = cols;
   context_.full_scale = full_scale;
   context_.twin_margins = twin_margins(context_.to_level8());
+  context_.midpoint_reaches = midpoint_reaches(context_.to_level8());
   rows_ = rows;
   pixel_bytes_ = pixel_bytes;
   next_frame_ = 0;

@@ -158,7 +158,12 @@ void state_row(const float* __restrict amplitude8, const float* __restrict mean8
                const std::uint8_t* __restrict order_safe, const std::uint8_t* __restrict saturated, int count,
                const StateRule& rule, PixelState* __restrict state, float* __restrict x_px) {
   constexpr float kNotMeasured = std::numeric_limits<float>::quiet_NaN();
-  constexpr auto kValid = static_cast<int>(PixelState::kValid);
+  // Bytes throughout: the compiler would widen numbers between.
+  constexpr auto kValid = static_cast<std::uint8_t>(PixelState::kValid);
+  constexpr auto kOrderUncertain = static_cast<std::uint8_t>(PixelState::kOrderUncertain);
+  constexpr auto kSaturated = static_cast<std::uint8_t>(PixelState::kSaturated);
+  constexpr auto kLowModulation = static_cast<std::uint8_t>(PixelState::kLowModulation);
+  constexpr auto kDark = static_cast<std::uint8_t>(PixelState::kDark);
   const float factor = rule.least_sigmas * rule.noise_gain * (rule.least_sigmas * rule.noise_gain);
   const std::uint8_t* __restrict flags = saturated == nullptr ? order_safe : saturated;
   const std::uint8_t bit = saturated == nullptr ? std::uint8_t{0} : rule.saturation_bit;
@@ -167,12 +172,12 @@ void state_row(const float* __restrict amplitude8, const float* __restrict mean8
     const float light8 = half8[i] * rule.bright_share;
     const bool bright = (light8 > 0.0F) & (light8 * light8 >= least);
     const bool modulated = (amplitude8[i] > 0.0F) & (amplitude8[i] * amplitude8[i] >= least);
-    const int dim = static_cast<int>(bright ? PixelState::kLowModulation : PixelState::kDark);
-    const int weak = mean8[i] >= kFullLevel8 ? static_cast<int>(PixelState::kSaturated) : dim;
+    const std::uint8_t dim = bright ? kLowModulation : kDark;
+    const std::uint8_t weak = mean8[i] >= kFullLevel8 ? kSaturated : dim;
     const bool direct = amplitude8[i] >= rule.least_contrast * half8[i];
-    const int order = (order_safe[i] != 0) & direct ? kValid : static_cast<int>(PixelState::kOrderUncertain);
-    const int measured = modulated ? order : weak;
-    const int told = (flags[i] & bit) != 0 ? static_cast<int>(PixelState::kSaturated) : measured;
+    const std::uint8_t order = (order_safe[i] != 0) & direct ? kValid : kOrderUncertain;
+    const std::uint8_t measured = modulated ? order : weak;
+    const std::uint8_t told = (flags[i] & bit) != 0 ? kSaturated : measured;
     x_px[i] = told == kValid ? x_px[i] : kNotMeasured;
     state[i] = static_cast<PixelState>(told);
   }

@@ -160,21 +160,34 @@ BELTPICK_INLINE void widen_extremes(const Pixel* levels, int count, bool first, 
   }
 }
 
+// How far a bit's level may lie from its threshold, in whole levels, for noise to turn it.
+struct Reach {
+  Reach(const ThresholdRule& rule, float most_level)
+      : floor(noise(rule) * kCameraNoise.floor_variance),
+        shot(noise(rule) * kCameraNoise.shot_variance_per_level * rule.to_level8),
+        most(most_level) {}
+  // At a threshold of `level`, where levels nearer than `within` are weak anyway.
+  BELTPICK_INLINE int at(float level, float within) const {
+    const float weak = std::sqrt(std::max(floor + shot * level, within * within));
+    return static_cast<int>(std::min(std::max(weak + 0.5F, 1.0F), most));
+  }
+  static float noise(const ThresholdRule& rule) {
+    return kWeakSigmas * kWeakSigmas * rule.noise_factor / (rule.to_level8 * rule.to_level8);
+  }
+  float floor, shot, most;
+};
+
 // `middle(i)` gives the level that parts bright from dark, contrast(i) how far (at most) both lie from it.
 template <class Pixel, class MiddleOf, class ContrastOf>
 BELTPICK_INLINE void make_threshold(int count, const ThresholdRule& rule, Pixel* __restrict level,
                                     Pixel* __restrict reach, MiddleOf middle, ContrastOf contrast) {
   const float most = static_cast<float>(std::numeric_limits<Pixel>::max());
-  const float noise = kWeakSigmas * kWeakSigmas * rule.noise_factor / (rule.to_level8 * rule.to_level8);
-  const float floor = noise * kCameraNoise.floor_variance;
-  const float shot = noise * kCameraNoise.shot_variance_per_level * rule.to_level8;
+  const Reach reach_of(rule, most);
   const float near = rule.weak_fraction;
   for (int i = 0; i < count; ++i) {
     const float m = middle(i);
-    const float within = near * contrast(i);
-    const float weak = std::sqrt(std::max(floor + shot * m, within * within));
     level[i] = static_cast<Pixel>(static_cast<int>(std::min(m, most)));
-    reach[i] = static_cast<Pixel>(static_cast<int>(std::min(std::max(weak + 0.5F, 1.0F), most)));
+    reach[i] = static_cast<Pixel>(reach_of.at(m, near * contrast(i)));
   }
 }
 
@@ -186,6 +199,24 @@ BELTPICK_INLINE void midpoint_threshold(const Pixel* __restrict white, const Pix
       count, rule, level, reach,
       [=](int i) { return half * (static_cast<float>(white[i]) + static_cast<float>(black[i])); },
       [=](int i) { return half * (static_cast<float>(white[i]) - static_cast<float>(black[i])); });
+}
+
+// The same in whole numbers, where noise alone makes bits weak.
+BELTPICK_INLINE void stepped_threshold(const std::uint8_t* __restrict white, const std::uint8_t* __restrict black,
+                                       int count, const MidpointReaches& reaches, std::uint8_t* __restrict level,
+                                       std::uint8_t* __restrict reach) {
+  const auto above = reaches.above;
+  const std::uint16_t always = reaches.always;
+  for (int i = 0; i < count; ++i) {
+    const auto sum = static_cast<std::uint16_t>(white[i] + black[i]);
+    std::uint16_t steps = always;
+#pragma GCC unroll 8
+    for (std::size_t k = 0; k < MidpointReaches::kSteps; ++k) {
+      steps = static_cast<std::uint16_t>(steps + (sum > above[k] ? 1 : 0));
+    }
+    level[i] = static_cast<std::uint8_t>(sum >> 1);
+    reach[i] = static_cast<std::uint8_t>(steps);
+  }
 }
 
 template <class Pixel, class Sum>
@@ -318,6 +349,24 @@ TwinMargins twin_margins(float to_level8) {
   return margins;
 }
 
+MidpointReaches midpoint_reaches(float to_level8) {
+  constexpr int kMostSum = 2 * 255;
+  const Reach reach_of({.to_level8 = to_level8, .noise_factor = kMidpointNoiseFactor}, 255.0F);
+  MidpointReaches reaches;
+  reaches.above.fill(0xFFFF);
+  int reach = reach_of.at(0.0F, 0.0F);
+  reaches.always = static_cast<std::uint8_t>(reach);
+  std::size_t steps = 0;
+  for (int sum = 1; sum <= kMostSum; ++sum) {
+    for (const int here = reach_of.at(0.5F * static_cast<float>(sum), 0.0F); reach < here; ++reach) {
+      if (steps == MidpointReaches::kSteps) return reaches;
+      reaches.above[steps++] = static_cast<std::uint16_t>(sum - 1);
+    }
+  }
+  reaches.known = true;
+  return reaches;
+}
+
 BELTPICK_KERNEL
 void accumulate_row(const FringeRows<std::uint8_t>& rows, int count, std::int16_t* cosine, std::int16_t* sine,
                     std::uint16_t* mean, std::uint8_t* flags) {
@@ -342,7 +391,12 @@ void widen_extremes_row(const std::uint16_t* levels, int count, bool first, std:
 BELTPICK_KERNEL
 void midpoint_threshold_row(const std::uint8_t* white, const std::uint8_t* black, int count, const ThresholdRule& rule,
                             std::uint8_t* level, std::uint8_t* reach) {
-  midpoint_threshold(white, black, count, rule, level, reach);
+  const MidpointReaches* reaches = rule.midpoint_reaches;
+  if (rule.scale == 1.0F && rule.weak_fraction == 0.0F && reaches != nullptr && reaches->known) {
+    stepped_threshold(white, black, count, *reaches, level, reach);
+  } else {
+    midpoint_threshold(white, black, count, rule, level, reach);
+  }
 }
 BELTPICK_KERNEL
 void midpoint_threshold_row(const std::uint16_t* white, const std::uint16_t* black, int count,

@@ -44,13 +44,25 @@ struct TwinMargins {
 inline constexpr float kTwinNoiseFactor = 0.5F;  // half the difference of two frames
 TwinMargins twin_margins(float to_level8);
 
+// How far 8-bit levels reach from a threshold midway between white and black: `always`, and one more for each of the
+// sums of white and black `above` that theirs exceeds.
+struct MidpointReaches {
+  static constexpr std::size_t kSteps = 8;
+  bool known = false;  // false: noise needs more steps
+  std::uint8_t always = 0;
+  std::array<std::uint16_t, kSteps> above{};  // ascending; 0xFFFF: never
+};
+inline constexpr float kMidpointNoiseFactor = 1.5F;  // one frame against the mean of two
+MidpointReaches midpoint_reaches(float to_level8);
+
 // How the level that parts bright from dark is found.
 struct ThresholdRule {
-  float to_level8 = 1.0F;                     // 255 / full_scale
-  float scale = 1.0F;                         // of the threshold
-  float noise_factor = 1.0F;                  // variance of (level - threshold) over that of one grey level
-  float weak_fraction = 0.0F;                 // see GrayCode
-  const TwinMargins* twin_margins = nullptr;  // the same worked out for twins; may be null
+  float to_level8 = 1.0F;                             // 255 / full_scale
+  float scale = 1.0F;                                 // of the threshold
+  float noise_factor = 1.0F;                          // variance of (level - threshold) over that of one grey level
+  float weak_fraction = 0.0F;                         // see GrayCode
+  const TwinMargins* twin_margins = nullptr;          // the same worked out for twins; may be null
+  const MidpointReaches* midpoint_reaches = nullptr;  // and for a threshold midway; may be null
 };
 
 // A Gray frame's threshold in whole levels: bright is above `level`; a bit is weak where a threshold moved by `reach`

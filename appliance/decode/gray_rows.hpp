@@ -15,9 +15,12 @@ using MeanOf = std::conditional_t<sizeof(Pixel) == 1, std::uint16_t, float>;
 template <class Pixel>
 void threshold_row(const RowContext& context, const GrayCode& code, const Threshold& threshold, int row, Pixel* level,
                    Pixel* reach) {
-  ThresholdRule rule{.to_level8 = context.to_level8(), .scale = threshold.scale, .weak_fraction = code.weak_fraction};
+  ThresholdRule rule{.to_level8 = context.to_level8(),
+                     .scale = threshold.scale,
+                     .weak_fraction = code.weak_fraction,
+                     .midpoint_reaches = &context.midpoint_reaches};
   if (threshold.kind == ThresholdKind::kMidpoint) {
-    rule.noise_factor = 1.5F;  // one frame against the mean of two
+    rule.noise_factor = kMidpointNoiseFactor;
     midpoint_threshold_row(context.store.row<const Pixel>(threshold.plane, row),
                            context.store.row<const Pixel>(threshold.black_plane, row), context.cols, rule, level,
                            reach);

@@ -143,40 +143,45 @@ struct LaneSums {
   Lanes ee{}, eg{}, gg{}, le{}, lg{}, ll{}, early{}, late{}, noise{}, probes{};
 };
 
+// What probe i adds to a lane, with the early one `whole_px` before it; `counts` is 1 or 0.
+[[gnu::always_inline]] inline void add_probe(const Early& early, const Late& late, int i, int whole_px, float counts,
+                                             std::size_t lane, LaneSums& s) {
+  const float early8 = early.level8.data()[i - whole_px];
+  const float before = early.texture8.data()[i - whole_px];
+  const float steep = early.slope8.data()[i - whole_px];
+  const float late8 = late.level8.data()[i];
+  const float after = late.texture8.data()[i];
+  const float weight = counts / kCameraNoise.variance(late8);
+  s.ee[lane] += before * before * weight;
+  s.eg[lane] += before * steep * weight;
+  s.gg[lane] += steep * steep * weight;
+  s.le[lane] += after * before * weight;
+  s.lg[lane] += after * steep * weight;
+  s.ll[lane] += after * after * weight;
+  s.early[lane] += counts * early8;
+  s.late[lane] += counts * late8;
+  s.noise[lane] += early.noise_share * kCameraNoise.variance(early8) * weight;
+  s.probes[lane] += counts;
+}
+
 // The probes [begin, end) of a line, with the early ones `whole_px` before them.
 BELTPICK_KERNEL
-void add_line(const Early& early, const Late& late, int begin, int end, int whole_px, LaneSums& sums) {
-  const float* __restrict texture8 = early.texture8.data() - whole_px;
-  const float* __restrict slope8 = early.slope8.data() - whole_px;
-  const float* __restrict early8 = early.level8.data() - whole_px;
-  const float* __restrict late_texture8 = late.texture8.data();
-  const float* __restrict late8 = late.level8.data();
-  const std::uint8_t* __restrict well_lit = late.well_lit.data();
+void add_line(const Early& early_given, const Late& late_given, int begin, int end, int whole_px, LaneSums& sums) {
+  const Early early = early_given;
+  const Late late = late_given;
   LaneSums s = sums;
-  for (int first = begin; first < end; first += LaneSums::kLanes) {
-    const int count = std::min(LaneSums::kLanes, end - first);
-    LaneSums::Lanes counts{};
-    for (int lane = 0; lane < count; ++lane) {
-      counts[static_cast<std::size_t>(lane)] = static_cast<float>(well_lit[first + lane]);
+  int first = begin;
+  for (; first + LaneSums::kLanes <= end; first += LaneSums::kLanes) {
+    LaneSums::Lanes counts;
+    for (std::size_t lane = 0; lane < LaneSums::kLanes; ++lane) {
+      counts[lane] = static_cast<float>(late.well_lit.data()[first + static_cast<int>(lane)]);
     }
-    for (int lane = 0; lane < LaneSums::kLanes; ++lane) {
-      const auto k = static_cast<std::size_t>(lane);
-      const int i = std::min(first + lane, end - 1);
-      const float before = texture8[i];
-      const float steep = slope8[i];
-      const float after = late_texture8[i];
-      const float weight = counts[k] / kCameraNoise.variance(late8[i]);
-      s.ee[k] += before * before * weight;
-      s.eg[k] += before * steep * weight;
-      s.gg[k] += steep * steep * weight;
-      s.le[k] += after * before * weight;
-      s.lg[k] += after * steep * weight;
-      s.ll[k] += after * after * weight;
-      s.early[k] += counts[k] * early8[i];
-      s.late[k] += counts[k] * late8[i];
-      s.noise[k] += early.noise_share * kCameraNoise.variance(early8[i]) * weight;
-      s.probes[k] += counts[k];
+    for (std::size_t lane = 0; lane < LaneSums::kLanes; ++lane) {
+      add_probe(early, late, first + static_cast<int>(lane), whole_px, counts[lane], lane, s);
     }
+  }
+  for (std::size_t lane = 0; first < end; ++first, ++lane) {
+    add_probe(early, late, first, whole_px, static_cast<float>(late.well_lit.data()[first]), lane, s);
   }
   sums = s;
 }

@@ -62,6 +62,7 @@ struct RowContext {
   int cols = 0;
   int full_scale = 255;
   TwinMargins twin_margins;
+  MidpointReaches midpoint_reaches;
   std::span<Ripple> ripples;  // by channel; filled when the last frame is there
   // By exposure and axis: the usual amplitude of fringes over half the contrast (or the mean light) of their pixel.
   std::array<std::array<float, 2>, kMaxExposures> usual_contrast{};

@@ -1,5 +1,6 @@
-// Bits of 8-bit twins against the noise, for every pair of levels.
+// Bits of 8-bit frames against the noise, for every pair of levels.
 #include <algorithm>
+#include <array>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <vector>
@@ -68,6 +69,29 @@ TEST_CASE("twins are as weak without margins worked out as with them, but for ro
     }
   }
   CHECK(differ < 60);
+}
+
+TEST_CASE("thresholds midway between white and black are the same worked out ahead") {
+  for (const float to_level8 : {1.0F, 255.0F / 200.0F}) {
+    const MidpointReaches reaches = midpoint_reaches(to_level8);
+    REQUIRE(reaches.known);
+    ThresholdRule rule{.to_level8 = to_level8, .noise_factor = kMidpointNoiseFactor};
+    std::vector<std::uint8_t> blacks(kLevels);
+    for (std::size_t i = 0; i < kLevels; ++i) blacks[i] = static_cast<std::uint8_t>(i);
+    for (int white = 0; white < kLevels; ++white) {
+      const std::vector<std::uint8_t> whites(kLevels, static_cast<std::uint8_t>(white));
+      std::array<std::vector<std::uint8_t>, 2> level, reach;
+      for (const std::size_t ahead : {0, 1}) {
+        rule.midpoint_reaches = ahead == 1 ? &reaches : nullptr;
+        level[ahead].resize(kLevels);
+        reach[ahead].resize(kLevels);
+        midpoint_threshold_row(whites.data(), blacks.data(), kLevels, rule, level[ahead].data(), reach[ahead].data());
+      }
+      INFO("white " << white);
+      REQUIRE(level[0] == level[1]);
+      REQUIRE(reach[0] == reach[1]);
+    }
+  }
 }
 
 }  // namespace
