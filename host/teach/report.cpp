@@ -11,6 +11,7 @@
 #include "html/page.hpp"
 #include "teach/part_picture.hpp"
 #include "teach/report_basin.hpp"
+#include "teach/report_requirements.hpp"
 
 namespace beltpick::teach {
 
@@ -232,6 +233,7 @@ std::string body_of(const Taught& taught, const std::optional<Rehearsal>& rehear
     body += "<h2>How exactly it will be found</h2>\n" + accuracy_table(*rehearsal);
     body += "<h2>How far off a search may start</h2>\n" + basin_pictures(*rehearsal);
   }
+  body += "<h2>When a pose is believed</h2>\n" + requirement_table(taught.part);
   return body + "<h2>Ways to recognise it</h2>\n" + route_table(taught.part);
 }
 
