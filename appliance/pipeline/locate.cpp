@@ -187,7 +187,7 @@ void Locator::reconsider_shadowed(const result::Scene& scene, std::span<const Pa
     const result::PartPose& pose = attempt.best.alignment.T_camera_part;
     drawing_.draw(model, pose, scene.lens);
     return result::judge(result::weigh(drawing_, model, pose, scene),
-                         result::surface_tolerance_mm(scene, model.spacing_mm), {})
+                         result::surface_tolerance_mm(scene, model.spacing_mm), model.required)
         .has_value();
   });
 }
