@@ -15,7 +15,7 @@ constexpr std::array<double, 11> kTurns_deg{45, 60, 90, 120, 135, 180, 225, 240,
 // Before it is aligned anew a lookalike may fit worse by this share of the part's diagonal.
 constexpr double kWorseShare = 0.015;
 
-constexpr double kParallel = 0.99;      // least cosine between two faces of a wall
+constexpr double kLeastBend = 0.5;      // least difference between the directions of two faces that change places
 constexpr double kClearlyAcross = 0.5;  // least part of a box's axis that lies across a bore's
 
 // What a point off the part counts, as in the search.
@@ -98,11 +98,15 @@ void offer_mirrored(const PartModel& model, const result::PartPose& T_camera_par
       const Vec3 across = Vec3::Unit(axis) - direction * direction.dot(Vec3::Unit(axis));
       if (across.norm() > kClearlyAcross) reflect_across(across.normalized(), first.point_mm);
     }
-    // The two faces of a wall change places: what stood before it stands behind it.
+    // Two faces change places: those of a wall, so that what stood before it stands behind it, or those of an edge, so
+    // that of an angle with one leg longer than the other each leg is taken for the other one.
     for (const Primitive& second : model.taught()) {
       if (&second <= &first || first.kind != PrimitiveKind::kPlane || second.kind != PrimitiveKind::kPlane) continue;
-      if (std::abs(direction.dot(second.direction.normalized())) < kParallel) continue;
-      reflect_across(direction, 0.5 * (first.point_mm + second.point_mm));
+      const Vec3 other = second.direction.normalized();
+      const Vec3 across = direction - other;
+      if (across.norm() < kLeastBend) continue;
+      const double middle_mm = (direction.dot(first.point_mm) - other.dot(second.point_mm)) / across.norm();
+      reflect_across(across.normalized(), middle_mm * across.normalized());
     }
   }
 }

@@ -18,7 +18,7 @@ void offer_turns(const PartModel& model, const result::PartPose& T_camera_part, 
 void offer_other(const PartModel& model, const result::PartPose& T_camera_part, const PartModel& other,
                  const search::SearchSample& sample, search::HypothesisPool& pool);
 
-// Offers those mirror images of the part, about planes of its box and its bores and between the faces of its walls,
+// Offers those mirror images of the part, about planes of its box and its bores and between any two of its faces,
 // that still explain the sample. Their rotations have determinant -1: no motion brings the part there, but its mirror
 // twin, whose template need not be loaded, may lie so.
 void offer_mirrored(const PartModel& model, const result::PartPose& T_camera_part, const search::SearchSample& sample,
