@@ -166,8 +166,7 @@ void Locator::settle(const result::Scene& scene, std::span<const PartModel> mode
     }
     accepted_[accepted_count_++] = {attempt.best, objects[strongest].labels[0]};
     const PartModel& model = models[static_cast<std::size_t>(attempt.best.model_index)];
-    drawing_.draw(model, attempt.best.alignment.T_camera_part, scene.lens);
-    book_.explain(scene, model, attempt.best.alignment.T_camera_part, drawing_.region());
+    book_.explain(scene, model, attempt.best.alignment.T_camera_part, attempt.best.region);
     shadows_.add(model, attempt.best.alignment.T_camera_part);
     attempt.reason = {};
     attempt.stage = Stage::kRank;
@@ -199,8 +198,7 @@ void Locator::claim_ambiguous(const result::Scene& scene, std::span<const PartMo
     const Attempt* attempt = book_.last_word(object);
     if (attempt == nullptr || !attempt->ambiguous() || holder(scene, models, attempt->best)) continue;
     const PartModel& model = models[static_cast<std::size_t>(attempt->best.model_index)];
-    drawing_.draw(model, attempt->best.alignment.T_camera_part, scene.lens);
-    book_.explain(scene, model, attempt->best.alignment.T_camera_part, drawing_.region());
+    book_.explain(scene, model, attempt->best.alignment.T_camera_part, attempt->best.region);
   }
 }
 
