@@ -38,8 +38,8 @@ std::string requirement_table(const PartTemplate& part) {
     rows.push_back({html::text(words_for(member.name)), html::number(100 * (own.*member.value), 0),
                     html::number(100 * (any.*member.value), 0)});
   }
-  const std::string asked = own == any ? "did not ask for more than any part must show"
-                                       : "asked for more than any part must show";
+  const std::string asked =
+      own == any ? "did not ask for more than any part must show" : "asked for more than any part must show";
   return "<p>Nobody needs to set these: the simulated views " + asked +
          ". A pose that shows less is withheld, with the figure that it lacks.</p>\n" +
          html::table({"what a pose must show", "this part", "any part"}, rows);
