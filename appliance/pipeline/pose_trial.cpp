@@ -29,15 +29,17 @@ constexpr std::size_t kLookalikes = 3;
 constexpr std::size_t kMirrorImages = 4;
 
 // What a pose explains of the picture, less what speaks against it. Not a share of what the part would show: of two
-// poses that explain the same surface the one that hides less of the part in shadow would lose by that alone.
-double explained(const Candidate& candidate) {
-  return candidate.evidence.support > 0.0 ? candidate.strength * candidate.evidence.matched / candidate.evidence.support
-                                          : 0.0;
+// poses that explain the same surface the one that hides less of the part in shadow would lose by that alone. By area:
+// the points of different templates stand differently close.
+double explained_mm2(const Candidate& candidate, std::span<const PartModel> models) {
+  if (candidate.evidence.support <= 0.0) return 0.0;
+  const double spacing_mm = models[static_cast<std::size_t>(candidate.model_index)].spacing_mm;
+  return candidate.strength * candidate.evidence.matched / candidate.evidence.support * spacing_mm * spacing_mm;
 }
 
 // Whether a pose explains so little of what another one does that it need not be compared with it.
-bool hopeless(const Candidate& rival, const Candidate& champion) {
-  return explained(rival) < kRivalStrength * explained(champion);
+bool hopeless(const Candidate& rival, const Candidate& champion, std::span<const PartModel> models) {
+  return explained_mm2(rival, models) < kRivalStrength * explained_mm2(champion, models);
 }
 
 // Whether a pose, aligned but not finished, explains far fewer of the measured pixels than the champion. Both are asked
@@ -225,11 +227,11 @@ bool PoseFinder::beats_rivals(const Context& context, const Candidate& champion,
   int finished = 0;
   for (int i = 0; i < candidate_count_ && finished < kFinishedRivals; ++i) {
     Candidate rival = candidates_[static_cast<std::size_t>(i)];
-    if (i == index || hopeless(rival, champion) || same_place(champion, rival, model)) continue;
+    if (i == index || hopeless(rival, champion, context.models) || same_place(champion, rival, model)) continue;
     // Small differences decide: both must be aligned as well as can be.
     finish(context, rival);
     ++finished;
-    if (hopeless(rival, champion) || same_place(champion, rival, model)) continue;
+    if (hopeless(rival, champion, context.models) || same_place(champion, rival, model)) continue;
     if (rival.evidence.blemishes.any()) continue;
     const auto& other = context.models[static_cast<std::size_t>(rival.model_index)];
     const result::Rivalry rivalry =
@@ -260,7 +262,7 @@ bool PoseFinder::beats_mirror_image(const Context& context, const Candidate& cha
     align_fully(context, rival);
     if (far_behind(rival, champion, context.scene, context.models)) continue;
     finish(context, rival);
-    if (hopeless(rival, champion) || rival.evidence.blemishes.any()) continue;
+    if (hopeless(rival, champion, context.models) || rival.evidence.blemishes.any()) continue;
     if (same_surface(model, rival.alignment.T_camera_part, pose, tolerance_mm)) continue;
     const result::Rivalry rivalry = result::compare({model, pose}, {model, rival.alignment.T_camera_part},
                                                     context.scene, both(champion.region, rival.region), 1);
