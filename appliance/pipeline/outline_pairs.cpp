@@ -17,13 +17,14 @@ enum class Sight : std::uint8_t { kObject, kBehind, kInFront, kNothing };
 class OutlineWalk {
  public:
   OutlineWalk(const result::Drawing& drawing, const result::PartPose& T_camera_part, const result::Scene& scene,
-              double reach_mm, double step_mm, double inset_mm)
+              double reach_mm, double step_mm, double inset_mm, Borders borders)
       : drawing_(drawing),
         scene_(scene),
         T_part_camera_(T_camera_part.inverse()),
         reach_mm_(static_cast<float>(reach_mm)),
         step_mm_(static_cast<float>(step_mm)),
-        inset_mm_(static_cast<float>(inset_mm)) {}
+        inset_mm_(static_cast<float>(inset_mm)),
+        borders_(borders) {}
 
   // The pair at a drawn cell, if it is one of the outline and the object's end can be seen there.
   [[nodiscard]] std::optional<icp::OutlinePair> at_cell(int row, int col) const {
@@ -102,10 +103,10 @@ class OutlineWalk {
         ++inside;
         continue;
       }
-      bool ends = inside >= kRunInside;
+      bool ends = inside >= kRunInside && (here == Sight::kBehind || borders_ == Borders::kAny);
       for (int next = 1; next < kRunOutside && ends; ++next) {
         const Sight beyond = look(edge, out, px + next);
-        ends = beyond == Sight::kBehind || beyond == Sight::kNothing;
+        ends = beyond == Sight::kBehind || (beyond == Sight::kNothing && borders_ == Borders::kAny);
       }
       if (ends) return static_cast<float>(px) - 0.5F;
       if (here == Sight::kBehind) inside = 0;
@@ -119,14 +120,15 @@ class OutlineWalk {
   float reach_mm_;
   float step_mm_;
   float inset_mm_;
+  Borders borders_;
 };
 
 }  // namespace
 
 std::size_t pair_outline(const result::Drawing& drawing, const result::PartPose& T_camera_part,
                          const result::Scene& scene, double spacing_mm, double reach_mm, double step_mm,
-                         std::span<icp::OutlinePair> out) {
-  const OutlineWalk walk(drawing, T_camera_part, scene, reach_mm, step_mm, kInsetShare * spacing_mm);
+                         std::span<icp::OutlinePair> out, Borders borders) {
+  const OutlineWalk walk(drawing, T_camera_part, scene, reach_mm, step_mm, kInsetShare * spacing_mm, borders);
   const auto depth = drawing.depth_mm();
   std::size_t count = 0;
   for (int row = 0; row < depth.rows; ++row) {

@@ -74,6 +74,7 @@ class PoseFinder {
   Result<void> trial(const Context& context, const Candidate& champion, int index);
   bool beats_rivals(const Context& context, const Candidate& champion, int index);
   [[nodiscard]] bool beats_mirror_image(const Context& context, const Candidate& champion);
+  Result<void> outline_agrees(const Context& context, const Candidate& champion);
   void sort_by_strength();
 
   std::span<OrientedPoint> sample_;

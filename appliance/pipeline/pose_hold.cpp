@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 
 #include "base/units.hpp"
@@ -19,6 +20,13 @@ constexpr double kAllowed_rad = rad_from_deg(1.0);
 // A freedom held less firmly than this, by random errors, on the part's rim, is loose.
 constexpr double kFirm_mm = 0.015;
 
+// The freedoms that the outline is asked about, and how: rounds of reweighting, the scatter of an end, and so many ends
+// that would have the pose stay.
+constexpr int kAsked = 3;
+constexpr int kRounds = 15;
+constexpr double kEndSigma_mm = 0.3;
+constexpr double kPriorEnds = 3.0;
+
 using Mat6 = Eigen::Matrix<double, 6, 6>;
 
 // Takes turns about the axis of a body of revolution out: they do not change it.
@@ -30,6 +38,24 @@ Mat6 counted(const Alignment& alignment, const PartModel& model) {
     across.topLeftCorner<3, 3>() -= axis * axis.transpose();
   }
   return across * alignment.covariance * across;
+}
+
+// Motions that shift the part's rim by 1 mm, independent of each other, the one held least first.
+struct Freedoms {
+  Motion sigma_mm;
+  Mat6 motion;
+
+  [[nodiscard]] int loose() const { return static_cast<int>((sigma_mm.array() > kFirm_mm).count()); }
+};
+
+Freedoms freedoms_at_rim(const Alignment& alignment, const PartModel& model) {
+  Motion scale = Motion::Ones();
+  scale.head<3>().setConstant(2.0 / model.diagonal_mm);
+  const Mat6 on_rim_mm2 =
+      scale.cwiseInverse().asDiagonal() * counted(alignment, model) * scale.cwiseInverse().asDiagonal();
+  const Eigen::SelfAdjointEigenSolver<Mat6> solved(on_rim_mm2);
+  return {solved.eigenvalues().reverse().cwiseMax(0.0).cwiseSqrt(),
+          scale.asDiagonal() * solved.eigenvectors().rowwise().reverse()};
 }
 
 }  // namespace
@@ -45,13 +71,35 @@ bool determined(const Alignment& alignment, const PartModel& model) {
 }
 
 std::optional<Motion> loosest_freedom(const Alignment& alignment, const PartModel& model) {
-  Motion scale = Motion::Ones();
-  scale.head<3>().setConstant(2.0 / model.diagonal_mm);
-  const Mat6 on_rim_mm2 =
-      scale.cwiseInverse().asDiagonal() * counted(alignment, model) * scale.cwiseInverse().asDiagonal();
-  const Eigen::SelfAdjointEigenSolver<Mat6> freedoms(on_rim_mm2);
-  if (freedoms.eigenvalues()[5] < kFirm_mm * kFirm_mm) return std::nullopt;
-  return scale.cwiseProduct(freedoms.eigenvectors().col(5));
+  const Freedoms freedoms = freedoms_at_rim(alignment, model);
+  if (freedoms.loose() == 0) return std::nullopt;
+  return freedoms.motion.col(0);
+}
+
+double asked_shift_mm(const Alignment& alignment, const PartModel& model, std::span<const icp::OutlinePair> ends) {
+  const Freedoms freedoms = freedoms_at_rim(alignment, model);
+  if (freedoms.loose() < 2) return 0.0;
+  const Eigen::Matrix<double, 6, kAsked> along = freedoms.motion.leftCols<kAsked>();
+  const Vec3 centre_mm = alignment.T_camera_part * model.centre_mm;
+  Vec3 asked_mm = Vec3::Zero();
+  for (int round = 0; round < kRounds; ++round) {
+    Mat3 normal = Mat3::Identity() * kPriorEnds / kEndSigma_mm;
+    Vec3 right = Vec3::Zero();
+    for (const icp::OutlinePair& end : ends) {
+      const Vec3 on_part_mm = alignment.T_camera_part * end.on_part_mm.cast<double>();
+      const Vec3 outward = alignment.T_camera_part.rotation * end.outward.cast<double>();
+      Motion gradient;
+      gradient << (on_part_mm - centre_mm).cross(outward), outward;
+      const Vec3 moves = along.transpose() * gradient;
+      const double beyond_mm = outward.dot(end.measured_mm.cast<double>() - on_part_mm);
+      // Least sum of distances: some ends are those of other things.
+      const double weight = 1.0 / std::max(kEndSigma_mm, std::abs(beyond_mm - moves.dot(asked_mm)));
+      normal += weight * moves * moves.transpose();
+      right += weight * beyond_mm * moves;
+    }
+    asked_mm = normal.ldlt().solve(right);
+  }
+  return asked_mm.norm();
 }
 
 Mat6 covariance_of_equivalent(const result::PartPose& other, const result::PartPose& pose, const PartModel& model,

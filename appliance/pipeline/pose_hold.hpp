@@ -2,9 +2,11 @@
 #pragma once
 
 #include <optional>
+#include <span>
 
 #include "base/stages.hpp"
 #include "contract/part_model.hpp"
+#include "icp/align.hpp"
 #include "result/scene.hpp"
 
 namespace beltpick::pipeline {
@@ -20,6 +22,11 @@ bool determined(const Alignment& alignment, const PartModel& model);
 // The motion that is held least, scaled so that the part's rim (half its diagonal) moves by 1 mm; turns that the
 // symmetry makes no difference of do not count. Nothing where all are held firmly.
 std::optional<Motion> loosest_freedom(const Alignment& alignment, const PartModel& model);
+
+// How far, in mm at the part's rim, `ends` ask the pose to move along the freedoms that are held by little but the
+// outline; 0 where fewer than two are. A part that only slides one way, or turns, is told by `determined`; one that may
+// do both is held by the ends all round alone, and wrongly where most of them are those of shadows.
+double asked_shift_mm(const Alignment& alignment, const PartModel& model, std::span<const icp::OutlinePair> ends);
 
 // The covariance of `other`, a pose that looks the same, from that of `pose`: it counts motions about another centre.
 Eigen::Matrix<double, 6, 6> covariance_of_equivalent(const result::PartPose& other, const result::PartPose& pose,

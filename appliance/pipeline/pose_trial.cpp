@@ -5,6 +5,7 @@
 #include "base/units.hpp"
 #include "contract/result_codes.hpp"
 #include "pipeline/lookalikes.hpp"
+#include "pipeline/outline_pairs.hpp"
 #include "pipeline/pose_finder.hpp"
 #include "pipeline/pose_hold.hpp"
 #include "result/rivalry.hpp"
@@ -18,6 +19,14 @@ constexpr int kFinished = 4;
 constexpr double kWorthFinishing = 0.5;
 // A rival below this share of the champion's strength has lost already.
 constexpr double kRivalStrength = 0.8;
+// A part that only its outline holds may be off by so much, by the ends of it that are certain, each told to a pixel or
+// two; they are looked for so many tolerances and millimetres away. A part of which more than kUnshadowed is measured
+// has no shadow on it whose edge may be taken for its own.
+constexpr double kMostAsked_mm = 0.8;
+constexpr double kMostAsked_px = 2.5;
+constexpr double kAskedReaches = 3.0;
+constexpr double kAskedBeyond_mm = 5.0;
+constexpr double kUnshadowed = 0.7;
 constexpr int kFinishedRivals = 8;
 // Of the measured pixels that the champion explains, so many must a pose explain to be worth finishing; every so many
 // rows and columns are counted.
@@ -116,6 +125,7 @@ Attempt PoseFinder::decide(const Context& context) {
       verdict = failure(ResultCode::kPoseAmbiguous,
                         "the part's mirror image fits as well; wait for a view of what tells them apart");
     }
+    if (verdict) verdict = outline_agrees(context, champion);
     if (trace_ != nullptr) trace_->judged(champion, verdict);
     if (verdict || first || verdict.error().code == ResultCode::kPoseAmbiguous) {
       attempt.best = champion;
@@ -270,6 +280,26 @@ bool PoseFinder::beats_mirror_image(const Context& context, const Candidate& cha
     if (rivalry.same_object() && !result::prevails(rivalry)) return false;
   }
   return true;
+}
+
+// Asks the ends of the outline that border on something measured farther away; those of shadows are left out.
+Result<void> PoseFinder::outline_agrees(const Context& context, const Candidate& champion) {
+  if (champion.evidence.support > kUnshadowed) return {};
+  const PartModel& model = context.models[static_cast<std::size_t>(champion.model_index)];
+  const result::PartPose& pose = champion.alignment.T_camera_part;
+  drawing_.draw(model, pose, context.scene.lens);
+  const double reach_mm =
+      kAskedReaches * result::surface_tolerance_mm(context.scene, model.spacing_mm) + kAskedBeyond_mm;
+  const std::size_t ends =
+      pair_outline(drawing_, pose, context.scene, model.spacing_mm, reach_mm,
+                   result::free_space_tolerance_mm(context.scene, model.spacing_mm), outline_, Borders::kMeasured);
+  const double asked_mm = asked_shift_mm(champion.alignment, model, outline_.first(ends));
+
+  const double pixel_mm = (pose * model.centre_mm).z() / context.scene.lens.fx_px;
+  if (asked_mm < std::max(kMostAsked_mm, kMostAsked_px * pixel_mm)) return {};
+  return failure(ResultCode::kPoseAmbiguous,
+                 "the part may slide, and its edges that are certain ask for %.1f mm; wait for a better view of them",
+                 asked_mm);
 }
 
 }  // namespace beltpick::pipeline

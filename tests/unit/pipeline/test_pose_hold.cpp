@@ -1,5 +1,6 @@
 // How firmly a pose is held, told from the covariance of its alignment.
 #include <catch2/catch.hpp>
+#include <vector>
 
 #include "base/units.hpp"
 #include "pipeline/pose_hold.hpp"
@@ -31,6 +32,22 @@ Alignment held() {
 }
 
 void loosen(Alignment& alignment, int freedom, double sigma) { alignment.covariance(freedom, freedom) = sigma * sigma; }
+
+// Ends all round a square of 120 mm in the part's plane, found where they are but for a shift of the object.
+std::vector<icp::OutlinePair> ends_shifted(const Alignment& alignment, const Vec3& object_mm) {
+  constexpr double kHalf_mm = 60.0;
+  std::vector<icp::OutlinePair> ends;
+  for (int side = 0; side < 4; ++side) {
+    const Mat3 turn = Eigen::AngleAxisd(side * kPi / 2, Vec3::UnitZ()).toRotationMatrix();
+    for (double along_mm = -kHalf_mm; along_mm <= kHalf_mm; along_mm += 2.0) {
+      const Vec3 on_part_mm = part().centre_mm + turn * Vec3(kHalf_mm, along_mm, 0.0);
+      const Vec3 outward = turn * Vec3::UnitX();
+      const Vec3 measured_mm = alignment.T_camera_part * on_part_mm + object_mm;
+      ends.push_back({on_part_mm.cast<float>(), outward.cast<float>(), measured_mm.cast<float>()});
+    }
+  }
+  return ends;
+}
 
 }  // namespace
 
@@ -64,6 +81,25 @@ TEST_CASE("the loosest freedom moves the rim by a millimetre", "[hold]") {
   REQUIRE(freedom);
   CHECK(std::abs((*freedom)[2]) * kDiagonal_mm / 2 == Approx(1.0));
   CHECK(freedom->tail<3>().norm() < 1e-9);
+}
+
+TEST_CASE("the outline asks for the shift at which its ends lie", "[hold]") {
+  Alignment alignment = held();
+  for (const int freedom : {3, 4}) loosen(alignment, freedom, 0.025);
+  loosen(alignment, 2, 1e-4);
+  const PartModel sheet = part();
+  CHECK(asked_shift_mm(alignment, sheet, ends_shifted(alignment, Vec3::Zero())) < 0.01);
+  CHECK(asked_shift_mm(alignment, sheet, ends_shifted(alignment, Vec3(1.5, 0.0, 0.0))) == Approx(1.5).margin(0.1));
+  CHECK(asked_shift_mm(alignment, sheet, {}) == 0.0);
+
+  SECTION("a third of the ends are those of something else") {
+    auto ends = ends_shifted(alignment, Vec3::Zero());
+    for (std::size_t i = 0; i < ends.size(); i += 3) ends[i].measured_mm += 4.0F * Vec3f::UnitX();
+    CHECK(asked_shift_mm(alignment, sheet, ends) < 0.5);
+  }
+  SECTION("what the surface holds is not asked about") {
+    CHECK(asked_shift_mm(held(), sheet, ends_shifted(alignment, Vec3(1.5, 0.0, 0.0))) == 0.0);
+  }
 }
 
 TEST_CASE("a motion turns the part about its centre, then shifts it", "[hold]") {
