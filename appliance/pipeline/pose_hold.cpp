@@ -19,6 +19,8 @@ constexpr double kAllowed_rad = rad_from_deg(1.0);
 
 // A freedom held less firmly than this, by random errors, on the part's rim, is loose.
 constexpr double kFirm_mm = 0.015;
+// And one held less than this slides so easily that the outline alone decides where the part is.
+constexpr double kSlack_mm = 0.03;
 
 // The freedoms that the outline is asked about, and how: rounds of reweighting, the scatter of an end, and so many ends
 // that would have the pose stay.
@@ -78,7 +80,7 @@ std::optional<Motion> loosest_freedom(const Alignment& alignment, const PartMode
 
 double asked_shift_mm(const Alignment& alignment, const PartModel& model, std::span<const icp::OutlinePair> ends) {
   const Freedoms freedoms = freedoms_at_rim(alignment, model);
-  if (freedoms.loose() < 2) return 0.0;
+  if (freedoms.loose() < 2 || freedoms.sigma_mm[0] < kSlack_mm) return 0.0;
   const Eigen::Matrix<double, 6, kAsked> along = freedoms.motion.leftCols<kAsked>();
   const Vec3 centre_mm = alignment.T_camera_part * model.centre_mm;
   Vec3 asked_mm = Vec3::Zero();

@@ -20,13 +20,11 @@ constexpr double kWorthFinishing = 0.5;
 // A rival below this share of the champion's strength has lost already.
 constexpr double kRivalStrength = 0.8;
 // A part that only its outline holds may be off by so much, by the ends of it that are certain, each told to a pixel or
-// two; they are looked for so many tolerances and millimetres away. A part of which more than kUnshadowed is measured
-// has no shadow on it whose edge may be taken for its own.
-constexpr double kMostAsked_mm = 0.8;
-constexpr double kMostAsked_px = 2.5;
+// two; they are looked for so many tolerances and millimetres away.
+constexpr double kMostAsked_mm = 0.6;
+constexpr double kMostAsked_px = 2.0;
 constexpr double kAskedReaches = 3.0;
 constexpr double kAskedBeyond_mm = 5.0;
-constexpr double kUnshadowed = 0.7;
 constexpr int kFinishedRivals = 8;
 // Of the measured pixels that the champion explains, so many must a pose explain to be worth finishing; every so many
 // rows and columns are counted.
@@ -284,7 +282,6 @@ bool PoseFinder::beats_mirror_image(const Context& context, const Candidate& cha
 
 // Asks the ends of the outline that border on something measured farther away; those of shadows are left out.
 Result<void> PoseFinder::outline_agrees(const Context& context, const Candidate& champion) {
-  if (champion.evidence.support > kUnshadowed) return {};
   const PartModel& model = context.models[static_cast<std::size_t>(champion.model_index)];
   const result::PartPose& pose = champion.alignment.T_camera_part;
   drawing_.draw(model, pose, context.scene.lens);
