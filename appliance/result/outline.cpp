@@ -1,5 +1,6 @@
 #include "result/outline.hpp"
 
+#include <array>
 #include <cmath>
 #include <optional>
 
@@ -7,7 +8,9 @@ namespace beltpick::result {
 namespace {
 
 constexpr int kLeastJudged = 16;
-constexpr int kInsideCells = 1;
+// So far inside the outline the object is looked at, and at the very edge where a face is narrow: there a part may be
+// rounded off, and its surface does not point to where a larger object would go on.
+constexpr std::array<int, 2> kInsideCells{3, 1};
 constexpr int kOutsideCells = 3;
 
 struct Direction {
@@ -61,19 +64,34 @@ class OutlineJudge {
     const int far_col = col + kOutsideCells * out.col;
     const auto depth = drawing_.depth_mm();
     if (depth.contains(far_row, far_col) && depth(far_row, far_col) != 0.0F) return;  // the part itself again
-    const auto inside = measured_pixel(row - kInsideCells * out.row, col - kInsideCells * out.col);
     const auto outside = measured_pixel(far_row, far_col);
-    if (!inside || !outside) return;
-    const Vec3f measured = scene_.range.point_mm(inside->row, inside->col);
-    const Vec3f at = (T_part_camera_ * measured.cast<double>()).cast<float>();
+    if (!outside) return;
+    bool on_part = false, goes_on = false;
+    for (const int cells : kInsideCells) {
+      const auto inside = measured_pixel(row - cells * out.row, col - cells * out.col);
+      const OrientedPoint* nearest = inside ? on_surface(*inside) : nullptr;
+      if (nearest == nullptr) continue;
+      on_part = true;
+      goes_on = goes_on || continues(*inside, rotation_ * nearest->normal, *outside);
+    }
+    judged_ += on_part ? 1 : 0;
+    continued_ += goes_on ? 1 : 0;
+  }
+
+  // The part's surface that was measured at a pixel, or nothing.
+  [[nodiscard]] const OrientedPoint* on_surface(const Pixel& pixel) const {
+    const Vec3f at = (T_part_camera_ * scene_.range.point_mm(pixel.row, pixel.col).cast<double>()).cast<float>();
     const OrientedPoint& nearest = model_.nearest(at);
-    if (std::abs(nearest.normal.dot(at - nearest.point_mm)) > tolerance_mm_) return;
-    ++judged_;
-    const std::uint16_t label = scene_.labels(inside->row, inside->col);
-    if (label == 0 || scene_.labels(outside->row, outside->col) != label) return;
-    const Vec3f normal = rotation_ * nearest.normal;
-    const Vec3f across = scene_.range.point_mm(outside->row, outside->col) - measured;
-    if (std::abs(normal.dot(across)) < tolerance_mm_ + 0.1F * across.norm()) ++continued_;
+    return std::abs(nearest.normal.dot(at - nearest.point_mm)) > tolerance_mm_ ? nullptr : &nearest;
+  }
+
+  // Whether the object measured at one pixel reaches the other one along the surface of that normal.
+  [[nodiscard]] bool continues(const Pixel& inside, const Vec3f& normal, const Pixel& outside) const {
+    const std::uint16_t label = scene_.labels(inside.row, inside.col);
+    if (label == 0 || scene_.labels(outside.row, outside.col) != label) return false;
+    const Vec3f across =
+        scene_.range.point_mm(outside.row, outside.col) - scene_.range.point_mm(inside.row, inside.col);
+    return std::abs(normal.dot(across)) < tolerance_mm_ + 0.1F * across.norm();
   }
 
   const Drawing& drawing_;

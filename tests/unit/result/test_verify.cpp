@@ -1,9 +1,11 @@
 // Verification: the true pose passes, wrong ones do not, whatever their residual.
+#include <algorithm>
 #include <array>
 #include <catch2/catch.hpp>
 
 #include "base/units.hpp"
 #include "contract/result_codes.hpp"
+#include "result/outline.hpp"
 #include "result/rivalry.hpp"
 #include "result/verdict.hpp"
 #include "support/scenes/models.hpp"
@@ -130,6 +132,24 @@ TEST_CASE("a face that fits inside a larger object is not the part") {
   CHECK(e.coverage > 0.8);
   CHECK(e.continued > 0.8);
   CHECK_FALSE(result::judge(e, result::surface_tolerance_mm(scene, small.model().spacing_mm), {}));
+}
+
+TEST_CASE("that a part's edges are rounded off does not hide that the object goes on") {
+  Bench bench(plate());
+  Shape rounded = block();
+  rounded.distance = [](const Vec3& at) {
+    constexpr double kRadius_mm = 2.5;
+    const Vec3 beyond = at.cwiseAbs() - (Vec3(40.0, 25.0, 15.0) - Vec3::Constant(kRadius_mm));
+    return beyond.cwiseMax(0.0).norm() + std::min(beyond.maxCoeff(), 0.0) - kRadius_mm;
+  };
+  const LoadedPart small(rounded);
+  const result::PartPose pose = bench.truth * Pose<frame::Part, frame::Part>{Mat3::Identity(), {0.0, 0.0, 6.0 - 15.0}};
+  bench.drawing.made.draw(small.model(), pose, bench.image.lens);
+  CHECK(result::continued_outline(bench.drawing.made, small.model(), pose, bench.scene(), 0.6) > 0.8);
+
+  Bench itself(rounded);
+  itself.drawing.made.draw(small.model(), itself.truth, itself.image.lens);
+  CHECK(result::continued_outline(itself.drawing.made, small.model(), itself.truth, itself.scene(), 0.6) < 0.05);
 }
 
 TEST_CASE("a part mostly out of the image is withheld as such") {
