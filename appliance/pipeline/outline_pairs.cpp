@@ -10,9 +10,11 @@ namespace {
 constexpr int kWindow = 2;           // cells to either side that tell which way is out
 constexpr double kInsetShare = 0.4;  // of the spacing: how far the outermost of sampled points lies within the edge
 constexpr int kRunInside = 3;        // pixels of the object before its end,
-constexpr int kRunOutside = 2;       // and of anything else after it
+constexpr int kRunOutside = 2;       // and of anything else after it,
+constexpr int kRunCertain = 4;  // more where the end must be certain: the edges of shadows are known to a few pixels
 
-enum class Sight : std::uint8_t { kObject, kBehind, kInFront, kNothing };
+// What a pixel tells of the object: kUnlit, that it may go on there without having been measured.
+enum class Sight : std::uint8_t { kObject, kBehind, kInFront, kNothing, kUnlit };
 
 class OutlineWalk {
  public:
@@ -34,9 +36,7 @@ class OutlineWalk {
     const float pitch_mm = edge.point_mm.z() / static_cast<float>(scene_.lens.fx_px);
     const auto end_px = end_of_object(edge, *out, static_cast<int>(reach_mm_ / pitch_mm));
     if (!end_px) return {};
-    const Vec3f sight = edge.point_mm.normalized();
-    const Vec3f in_image(out->x(), out->y(), 0.0F);
-    const Vec3f outward_camera = (in_image - sight * sight.dot(in_image)).normalized();
+    const Vec3f outward_camera = across_sight(edge, *out);
     const Eigen::Matrix3f rotation = T_part_camera_.rotation.cast<float>();
     return icp::OutlinePair{(T_part_camera_ * edge.point_mm.cast<double>()).cast<float>(), rotation * outward_camera,
                             edge.point_mm + (*end_px * pitch_mm - inset_mm_) * outward_camera};
@@ -75,14 +75,30 @@ class OutlineWalk {
     return best;
   }
 
+  // The direction in the image as one in the camera frame, across the line of sight.
+  [[nodiscard]] static Vec3f across_sight(const result::Drawing::Shown& edge, const Eigen::Vector2f& out) {
+    const Vec3f sight = edge.point_mm.normalized();
+    const Vec3f in_image(out.x(), out.y(), 0.0F);
+    return (in_image - sight * sight.dot(in_image)).normalized();
+  }
+
   [[nodiscard]] Sight look(const result::Drawing::Shown& edge, const Eigen::Vector2f& out, int px) const {
     const int col = static_cast<int>(std::lround(edge.column_px + static_cast<float>(px) * out.x()));
     const int row = static_cast<int>(std::lround(edge.row_px + static_cast<float>(px) * out.y()));
-    if (!scene_.range.point_mm.contains(row, col) || !scene_.range.valid(row, col)) return Sight::kNothing;
+    if (!scene_.range.point_mm.contains(row, col)) return Sight::kUnlit;
+    if (!scene_.range.valid(row, col)) return lit(edge, out, px) ? Sight::kNothing : Sight::kUnlit;
     if (scene_.labels(row, col) == 0) return Sight::kBehind;
     const float behind = scene_.range.point_mm(row, col).z() - expected_depth(edge, row, col);
     if (behind > step_mm_) return Sight::kBehind;
     return behind < -step_mm_ ? Sight::kInFront : Sight::kObject;
+  }
+
+  // Whether the light is known to reach the object's surface, did it go on so far.
+  [[nodiscard]] bool lit(const result::Drawing::Shown& edge, const Eigen::Vector2f& out, int px) const {
+    if (borders_ == Borders::kAny || scene_.shadows == nullptr || !scene_.light_mm) return false;
+    const float away_mm = static_cast<float>(px) * edge.point_mm.z() / static_cast<float>(scene_.lens.fx_px);
+    const Vec3f surface_mm = edge.point_mm + away_mm * across_sight(edge, out);
+    return !scene_.shadows->hides(surface_mm, -edge.point_mm.normalized(), step_mm_);
   }
 
   // That of the drawing; beyond its outline that of the edge.
@@ -90,6 +106,17 @@ class OutlineWalk {
     const int cell_row = (row - drawing_.row_px()) / drawing_.factor();
     const int cell_col = (col - drawing_.column_px()) / drawing_.factor();
     return empty(cell_row, cell_col) ? edge.point_mm.z() : drawing_.depth_mm()(cell_row, cell_col);
+  }
+
+  // Whether the object does not go on from a pixel outwards.
+  [[nodiscard]] bool ends_at(const result::Drawing::Shown& edge, const Eigen::Vector2f& out, int px) const {
+    const int run = borders_ == Borders::kAny ? kRunOutside : kRunCertain;
+    for (int next = 0; next < run; ++next) {
+      const Sight sight = look(edge, out, px + next);
+      if (sight == Sight::kObject || sight == Sight::kInFront) return false;
+      if (sight == Sight::kUnlit && borders_ == Borders::kCertain) return false;
+    }
+    return true;
   }
 
   // How many pixels beyond the drawn edge the object ends, to half a pixel.
@@ -103,12 +130,7 @@ class OutlineWalk {
         ++inside;
         continue;
       }
-      bool ends = inside >= kRunInside && (here == Sight::kBehind || borders_ == Borders::kAny);
-      for (int next = 1; next < kRunOutside && ends; ++next) {
-        const Sight beyond = look(edge, out, px + next);
-        ends = beyond == Sight::kBehind || (beyond == Sight::kNothing && borders_ == Borders::kAny);
-      }
-      if (ends) return static_cast<float>(px) - 0.5F;
+      if (inside >= kRunInside && ends_at(edge, out, px)) return static_cast<float>(px) - 0.5F;
       if (here == Sight::kBehind) inside = 0;
     }
     return {};

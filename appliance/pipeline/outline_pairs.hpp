@@ -10,9 +10,10 @@
 
 namespace beltpick::pipeline {
 
-// What must lie beyond the object's end for the end to count: anything that does not hide the object, or only what was
-// measured farther away. Where nothing was measured, the end may be that of a shadow cast on the object.
-enum class Borders : std::uint8_t { kAny, kMeasured };
+// What must lie beyond the object's end for the end to count: anything that does not hide the object, or only what
+// tells for certain that the object ends there: something measured farther away, or nothing where the light would have
+// reached the object, did it go on. Nothing measured anywhere else may be a shadow cast on the object.
+enum class Borders : std::uint8_t { kAny, kCertain };
 
 // Walks across the drawn outline in the image, up to `reach_mm` to either side, and pairs each place with the last
 // measured pixel of the object. `step_mm`: what parts surfaces in depth. `spacing_mm`: of the part's points. Places

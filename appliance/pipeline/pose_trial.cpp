@@ -280,7 +280,7 @@ bool PoseFinder::beats_mirror_image(const Context& context, const Candidate& cha
   return true;
 }
 
-// Asks the ends of the outline that border on something measured farther away; those of shadows are left out.
+// Asks the ends of the outline that are certain; those that may be the edges of shadows are left out.
 Result<void> PoseFinder::outline_agrees(const Context& context, const Candidate& champion) {
   const PartModel& model = context.models[static_cast<std::size_t>(champion.model_index)];
   const result::PartPose& pose = champion.alignment.T_camera_part;
@@ -289,7 +289,7 @@ Result<void> PoseFinder::outline_agrees(const Context& context, const Candidate&
       kAskedReaches * result::surface_tolerance_mm(context.scene, model.spacing_mm) + kAskedBeyond_mm;
   const std::size_t ends =
       pair_outline(drawing_, pose, context.scene, model.spacing_mm, reach_mm,
-                   result::free_space_tolerance_mm(context.scene, model.spacing_mm), outline_, Borders::kMeasured);
+                   result::free_space_tolerance_mm(context.scene, model.spacing_mm), outline_, Borders::kCertain);
   const double asked_mm = asked_shift_mm(champion.alignment, model, outline_.first(ends));
 
   const double pixel_mm = (pose * model.centre_mm).z() / context.scene.lens.fx_px;
