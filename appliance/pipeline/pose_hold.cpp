@@ -1,5 +1,6 @@
 #include "pipeline/pose_hold.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include <Eigen/Cholesky>
@@ -101,7 +102,8 @@ double asked_shift_mm(const Alignment& alignment, const PartModel& model, std::s
     }
     asked_mm = normal.ldlt().solve(right);
   }
-  return asked_mm.norm();
+  // What is held firmly has not slid: there the ends tell how far outlines err.
+  return asked_mm.head(std::min(kAsked, freedoms.loose())).norm();
 }
 
 Mat6 covariance_of_equivalent(const result::PartPose& other, const result::PartPose& pose, const PartModel& model,

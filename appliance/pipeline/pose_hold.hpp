@@ -24,9 +24,9 @@ bool determined(const Alignment& alignment, const PartModel& model);
 std::optional<Motion> loosest_freedom(const Alignment& alignment, const PartModel& model);
 
 // How far, in mm at the part's rim, `ends` ask the pose to move along the freedoms that are held by little but the
-// outline; 0 where fewer than two are, or the loosest is not slack. A part that slides one way alone is told by
-// `determined`; one that may also slide or turn another way is held by the ends all round alone, and wrongly where many
-// of them are those of shadows.
+// outline, those held firmly left out; 0 where fewer than two are, or the loosest is not slack. A part that slides one
+// way alone is told by `determined`; one that may also slide or turn another way is held by the ends all round alone,
+// and wrongly where many of them are those of shadows.
 double asked_shift_mm(const Alignment& alignment, const PartModel& model, std::span<const icp::OutlinePair> ends);
 
 // The covariance of `other`, a pose that looks the same, from that of `pose`: it counts motions about another centre.

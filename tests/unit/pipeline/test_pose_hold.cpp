@@ -99,6 +99,10 @@ TEST_CASE("the outline asks for the shift at which its ends lie", "[hold]") {
   }
   SECTION("what the surface holds is not asked about") {
     CHECK(asked_shift_mm(held(), sheet, ends_shifted(alignment, Vec3(1.5, 0.0, 0.0))) == 0.0);
+    loosen(alignment, 2, 4e-4);      // it may slide along and turn,
+    loosen(alignment, 4, kFirm_mm);  // and is held across
+    CHECK(asked_shift_mm(alignment, sheet, ends_shifted(alignment, Vec3(0.0, 1.5, 0.0))) < 0.3);
+    CHECK(asked_shift_mm(alignment, sheet, ends_shifted(alignment, Vec3(1.5, 0.0, 0.0))) == Approx(1.5).margin(0.1));
   }
 }
 
