@@ -61,10 +61,15 @@ class PoseFinder {
   int find_primitives(const Context& context, const PartModel& model, std::span<Primitive> found);
   void shortlist(const Context& context, int model_index, Effort route, search::HypothesisPool& pool);
   void weigh_shortlist(const Context& context, Effort route);
+  void align_shortlist(const Context& context, Effort route);
+  [[nodiscard]] double best_impression() const;
+  [[nodiscard]] static double impression(const Context& context, const Candidate& candidate);
   void align_fully(const Context& context, Candidate& candidate);
   void weigh(const Context& context, Candidate& candidate);
   void finish(const Context& context, Candidate& candidate);
   Attempt decide(const Context& context);
+  [[nodiscard]] static Result<void> plain_verdict(const Context& context, const Candidate& candidate);
+  [[nodiscard]] static bool out_of_question(const Context& context, const Candidate& candidate);
   void keep_support();
   [[nodiscard]] bool only_blemished(const Context& context, const Candidate& champion) const;
   bool challenge(const Context& context, Candidate& champion);
