@@ -77,7 +77,7 @@ Alignment align(std::span<const OrientedPoint> sample, const PartModel& model, c
       const Vec6 step = solve(system, scale);
       result.T_camera_part = moved(result.T_camera_part, step, model.centre_mm);
       const double moved_mm = step.cwiseQuotient(scale).norm();
-      if (moved_mm < 1e-4 * stage.radius_mm) break;
+      if (moved_mm < stage.settled * stage.radius_mm) break;
     }
   }
   system = linearise(sample, model, result.T_camera_part, stages.back(), outline, outline_weight);

@@ -18,6 +18,7 @@ struct Stage {
   // Weight of the distance along the surface from where the part ends to measured points beyond: lets a flat part slide
   // to where the object is. 0 for the last stage, where it would pull the part towards what touches it.
   float beyond = 0.0F;
+  double settled = 1e-4;  // a step shorter than this share of the radius ends the stage
 };
 
 // A place on the part's outline as the camera sees it, and how far out the measured outline lies. Holds a part in place

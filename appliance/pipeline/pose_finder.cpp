@@ -15,6 +15,8 @@ namespace {
 constexpr std::size_t kAlignSample = 1000;  // the paper's
 constexpr std::size_t kFinalSample = 2500;
 constexpr std::size_t kOutlinePairs = 4096;
+// Which step ends the last alignment, as a share of how far it looks.
+constexpr double kSettled = 1e-3;
 constexpr std::size_t kPoolSize = 400;
 constexpr std::size_t kMaxShortlist = 80;
 
@@ -224,7 +226,7 @@ void PoseFinder::shortlist(const Context& context, int model_index, Effort route
     const auto end = tried.begin() + static_cast<std::ptrdiff_t>(distinct);
     const auto before =
         std::find_if(tried.begin(), end, [&](const Candidate& c) { return same_place(candidate, c, model); });
-    candidate.impression = before != end ? before->impression : impression(context, candidate);
+    candidate.impression = before != end ? before->impression : impression(context, candidate).score;
     if (trace_ != nullptr) trace_->aligned_coarsely(candidate);
     if (before == end) tried[distinct++] = candidate;
   }
@@ -265,7 +267,7 @@ void PoseFinder::align_shortlist(const Context& context, Effort route) {
     const PartModel& model = context.models[static_cast<std::size_t>(candidate.model_index)];
     const auto ended_before = [&](const Candidate& other) { return same_place(candidate, other, model); };
     if (std::any_of(candidates_.begin(), candidates_.begin() + candidate_count_, ended_before)) continue;
-    candidate.impression = impression(context, candidate);
+    candidate.impression = impression(context, candidate).score;
     candidates_[static_cast<std::size_t>(candidate_count_++)] = candidate;
   }
 }
@@ -277,7 +279,7 @@ double PoseFinder::best_impression() const {
   return best;
 }
 
-double PoseFinder::impression(const Context& context, const Candidate& candidate) {
+result::Impression PoseFinder::impression(const Context& context, const Candidate& candidate) {
   const PartModel& model = context.models[static_cast<std::size_t>(candidate.model_index)];
   return result::first_impression(model, candidate.alignment.T_camera_part, context.scene,
                                   3.0 * result::surface_tolerance_mm(context.scene, model.spacing_mm));
@@ -300,23 +302,32 @@ void PoseFinder::weigh(const Context& context, Candidate& candidate) {
   candidate.region = drawing_.region();
 }
 
-// The last alignment uses everything measured where the part is in sight, whatever segment it fell into.
-void PoseFinder::finish(const Context& context, Candidate& candidate) {
+// The last alignment uses everything measured where the part is in sight, whatever segment it fell into: first what
+// lies a little off, then closely. Returns whether enough was measured there.
+bool PoseFinder::align_in_sight(const Context& context, Candidate& candidate, double tolerances) {
   const PartModel& model = context.models[static_cast<std::size_t>(candidate.model_index)];
-  const double tolerance_mm = result::surface_tolerance_mm(context.scene, model.spacing_mm);
-  for (const double radius_mm : {3.0 * tolerance_mm, 1.5 * tolerance_mm}) {
-    drawing_.draw(model, candidate.alignment.T_camera_part, context.scene.lens);
-    const std::size_t count =
-        sample_at_pose(context.scene.range, context.scene.labels, drawing_, radius_mm, kFinalSample, pose_sample_);
-    pose_sample_count_ = count;
-    if (count < kLeastSample) return;
-    const std::size_t pairs =
-        pair_outline(drawing_, candidate.alignment.T_camera_part, context.scene, model.spacing_mm,
-                     2.0 * radius_mm + 1.0, result::free_space_tolerance_mm(context.scene, model.spacing_mm), outline_);
-    const std::array<icp::Stage, 1> stage{icp::Stage{radius_mm, 12, 0.85F}};
-    candidate.alignment = icp::align(pose_sample_.first(count), model, candidate.alignment.T_camera_part, stage,
-                                     icp::Noise{context.scene.noise_mm}, outline_.first(pairs));
-  }
+  const double radius_mm = tolerances * result::surface_tolerance_mm(context.scene, model.spacing_mm);
+  drawing_.draw(model, candidate.alignment.T_camera_part, context.scene.lens);
+  const std::size_t count =
+      sample_at_pose(context.scene.range, context.scene.labels, drawing_, radius_mm, kFinalSample, pose_sample_);
+  pose_sample_count_ = count;
+  if (count < kLeastSample) return false;
+  const std::size_t pairs =
+      pair_outline(drawing_, candidate.alignment.T_camera_part, context.scene, model.spacing_mm, 2.0 * radius_mm + 1.0,
+                   result::free_space_tolerance_mm(context.scene, model.spacing_mm), outline_);
+  const std::array<icp::Stage, 1> stage{icp::Stage{radius_mm, 12, 0.85F, 0.0F, kSettled}};
+  candidate.alignment = icp::align(pose_sample_.first(count), model, candidate.alignment.T_camera_part, stage,
+                                   icp::Noise{context.scene.noise_mm}, outline_.first(pairs));
+  return true;
+}
+
+void PoseFinder::finish(const Context& context, Candidate& candidate) {
+  if (align_in_sight(context, candidate, kOff)) finish_closely(context, candidate);
+}
+
+void PoseFinder::finish_closely(const Context& context, Candidate& candidate) {
+  if (!align_in_sight(context, candidate, kClose)) return;
+  const PartModel& model = context.models[static_cast<std::size_t>(candidate.model_index)];
   weigh(context, candidate);
   candidate.evidence.blemishes = blemishes_.find(drawing_, context.scene, model.spacing_mm);
 }

@@ -50,6 +50,18 @@ class PoseFinder {
     std::uint64_t seed;
   };
 
+  // How far the last alignment looks, first and then, in tolerances of the surface.
+  static constexpr double kOff = 3.0;
+  static constexpr double kClose = 1.5;
+
+  // What a challenger must show beside the champion to be worth more work.
+  struct Gate {
+    double explained;   // at least this share of what the champion explains
+    double seen_empty;  // of it, at most so much more than of the champion
+  };
+  static constexpr Gate kAligned{0.6, 0.25};   // with the object's sample
+  static constexpr Gate kInSight{0.75, 0.12};  // with all that is measured where it is in sight
+
   Attempt try_route(const Context& context, Effort route);
   Attempt try_routes(const Context& context);
   Attempt try_neighbourhoods(const Context& context);
@@ -63,10 +75,15 @@ class PoseFinder {
   void weigh_shortlist(const Context& context, Effort route);
   void align_shortlist(const Context& context, Effort route);
   [[nodiscard]] double best_impression() const;
-  [[nodiscard]] static double impression(const Context& context, const Candidate& candidate);
+  [[nodiscard]] static result::Impression impression(const Context& context, const Candidate& candidate);
   void align_fully(const Context& context, Candidate& candidate);
   void weigh(const Context& context, Candidate& candidate);
   void finish(const Context& context, Candidate& candidate);
+  bool finish_challenger(const Context& context, const Candidate& champion, Candidate& other);
+  void finish_closely(const Context& context, Candidate& candidate);
+  bool align_in_sight(const Context& context, Candidate& candidate, double tolerances);
+  [[nodiscard]] static bool far_behind(const Context& context, const Candidate& other, const Candidate& champion,
+                                       const Gate& gate);
   Attempt decide(const Context& context);
   [[nodiscard]] static Result<void> plain_verdict(const Context& context, const Candidate& candidate);
   [[nodiscard]] static bool out_of_question(const Context& context, const Candidate& candidate);

@@ -30,9 +30,7 @@ constexpr double kMostAsked_px = 2.0;
 constexpr double kAskedReaches = 3.0;
 constexpr double kAskedBeyond_mm = 5.0;
 constexpr int kFinishedRivals = 8;
-// Of the measured pixels that the champion explains, so many must a pose explain to be worth finishing; every so many
-// rows and columns are counted.
-constexpr double kWorthyPixels = 0.5;
+// Where poses not finished are compared, every so many rows and columns are counted.
 constexpr int kPixelStep = 4;
 
 // Of each model, how many poses are tried that put nearly the same surface there.
@@ -51,17 +49,6 @@ double explained_mm2(const Candidate& candidate, std::span<const PartModel> mode
 // Whether a pose explains so little of what another one does that it need not be compared with it.
 bool hopeless(const Candidate& rival, const Candidate& champion, std::span<const PartModel> models) {
   return explained_mm2(rival, models) < kRivalStrength * explained_mm2(champion, models);
-}
-
-// Whether a pose, aligned but not finished, explains far fewer of the measured pixels than the champion. Both are asked
-// about the same pixels: what of either lies in shadow counts for neither.
-bool far_behind(const Candidate& other, const Candidate& champion, const result::Scene& scene,
-                std::span<const PartModel> models) {
-  const result::Rivalry rivalry =
-      result::compare({models[static_cast<std::size_t>(champion.model_index)], champion.alignment.T_camera_part},
-                      {models[static_cast<std::size_t>(other.model_index)], other.alignment.T_camera_part}, scene,
-                      {0, scene.labels.rows - 1, 0, scene.labels.cols - 1}, kPixelStep);
-  return rivalry.both + rivalry.only_second < kWorthyPixels * (rivalry.both + rivalry.only_first);
 }
 
 // A part that its mirror image covers to this share has no handedness worth telling.
@@ -221,6 +208,29 @@ void PoseFinder::add_lookalikes(const Context& context, const Candidate& champio
   }
 }
 
+// Whether a pose, not finished, explains far fewer of the measured pixels than the champion, or puts more of the part
+// where nothing is. Both are asked about the same pixels: what of either lies in shadow counts for neither.
+bool PoseFinder::far_behind(const Context& context, const Candidate& other, const Candidate& champion,
+                            const Gate& gate) {
+  if (impression(context, other).seen_empty > impression(context, champion).seen_empty + gate.seen_empty) return true;
+  const result::Scene& scene = context.scene;
+  const auto claim = [&](const Candidate& candidate) {
+    return result::Rival{context.models[static_cast<std::size_t>(candidate.model_index)],
+                         candidate.alignment.T_camera_part};
+  };
+  const result::Rivalry rivalry = result::compare(claim(champion), claim(other), scene,
+                                                  {0, scene.labels.rows - 1, 0, scene.labels.cols - 1}, kPixelStep);
+  return rivalry.both + rivalry.only_second < gate.explained * (rivalry.both + rivalry.only_first);
+}
+
+// Finishes a pose that was aligned, unless it falls too far behind on the way. Returns whether it was finished.
+bool PoseFinder::finish_challenger(const Context& context, const Candidate& champion, Candidate& other) {
+  if (far_behind(context, other, champion, kAligned)) return false;
+  if (!align_in_sight(context, other, kOff) || far_behind(context, other, champion, kInSight)) return false;
+  finish_closely(context, other);
+  return true;
+}
+
 // Aligned and finished, the other becomes a candidate, unless it ends where the champion is. Beside a champion with
 // blemishes none is left out: a cleaner pose may take its place though it explains less.
 void PoseFinder::add_challenger(const Context& context, const Candidate& champion, Candidate& other) {
@@ -229,8 +239,11 @@ void PoseFinder::add_challenger(const Context& context, const Candidate& champio
   if (same_place(other, champion, model)) return;
   align_fully(context, other);
   if (same_place(other, champion, model)) return;
-  if (!champion.evidence.blemishes.any() && far_behind(other, champion, context.scene, context.models)) return;
-  finish(context, other);
+  if (champion.evidence.blemishes.any()) {
+    finish(context, other);
+  } else if (!finish_challenger(context, champion, other)) {
+    return;
+  }
   if (same_place(other, champion, model)) return;
   candidates_[static_cast<std::size_t>(candidate_count_++)] = other;
 }
@@ -287,10 +300,10 @@ bool PoseFinder::beats_mirror_image(const Context& context, const Candidate& cha
     rival.hypothesis = hypothesis;
     rival.alignment.T_camera_part = hypothesis.T_camera_part;
     align_fully(context, rival);
-    if (far_behind(rival, champion, context.scene, context.models)) continue;
-    finish(context, rival);
+    const auto is_the_part = [&] { return same_surface(model, rival.alignment.T_camera_part, pose, tolerance_mm); };
+    if (is_the_part() || !finish_challenger(context, champion, rival)) continue;
     if (hopeless(rival, champion, context.models) || rival.evidence.blemishes.any()) continue;
-    if (same_surface(model, rival.alignment.T_camera_part, pose, tolerance_mm)) continue;
+    if (is_the_part()) continue;
     const result::Rivalry rivalry = result::compare({model, pose}, {model, rival.alignment.T_camera_part},
                                                     context.scene, both(champion.region, rival.region), 1);
     if (trace_ != nullptr) trace_->compared(champion, rival, rivalry);

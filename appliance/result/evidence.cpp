@@ -221,8 +221,8 @@ double sunk_share(const PartModel& model, const PartPose& T_camera_part, const P
   return static_cast<double>(sunk) / static_cast<double>(model.scattered.size());
 }
 
-double first_impression(const PartModel& model, const PartPose& T_camera_part, const Scene& scene,
-                        double tolerance_mm) {
+Impression first_impression(const PartModel& model, const PartPose& T_camera_part, const Scene& scene,
+                            double tolerance_mm) {
   const Eigen::Matrix3f rotation = T_camera_part.rotation.cast<float>();
   const Vec3f translation = T_camera_part.translation_mm.cast<float>();
   const Tolerance tolerance{static_cast<float>(tolerance_mm), static_cast<float>(2.0 * tolerance_mm)};
@@ -246,9 +246,9 @@ double first_impression(const PartModel& model, const PartPose& T_camera_part, c
     matched += finding == Finding::kMatched ? 1 : 0;
     violated += finding == Finding::kViolated ? 1 : 0;
   }
-  if (judged == 0) return -2.0;
+  if (judged == 0) return {};
   const double sunk = scene.belt ? sunk_share(model, T_camera_part, *scene.belt, tolerance_mm) : 0.0;
-  return std::max(-2.0, (matched - 2.0 * violated) / (judged + 0.5 * unjudged) - 2.0 * sunk);
+  return {std::max(-2.0, (matched - 2.0 * violated) / (judged + 0.5 * unjudged) - 2.0 * sunk), share(violated, judged)};
 }
 
 }  // namespace beltpick::result

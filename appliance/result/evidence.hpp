@@ -71,9 +71,14 @@ Evidence weigh(const Drawing& drawing, const PartModel& model, const PartPose& T
 // The share of the part's surface points that lies clearly under the belt, where no part can be.
 double sunk_share(const PartModel& model, const PartPose& T_camera_part, const Plane& belt, double tolerance_mm);
 
-// A first impression from the model's scattered points alone, without hidden surfaces removed: the share that was
-// measured where the pose says minus twice the share seen to be empty. What cannot be judged, being hidden or outside
-// the image, counts half in the whole. In [-2, 1].
-double first_impression(const PartModel& model, const PartPose& T_camera_part, const Scene& scene, double tolerance_mm);
+// A first impression of a pose, from the model's scattered points alone, without hidden surfaces removed.
+struct Impression {
+  // The share that was measured where the pose says minus twice the share seen to be empty. What cannot be judged,
+  // being hidden or outside the image, counts half in the whole. In [-2, 1].
+  double score = -2.0;
+  double seen_empty = 0.0;  // of what can be judged
+};
+Impression first_impression(const PartModel& model, const PartPose& T_camera_part, const Scene& scene,
+                            double tolerance_mm);
 
 }  // namespace beltpick::result

@@ -71,7 +71,7 @@ bool Trial::any_right(const TrialObject& object, const result::Scene& scene, sea
     Aligned one;
     one.alignment = icp::align(sample.first(std::min<std::size_t>(sample.size(), 200)), model, hypothesis.T_camera_part,
                                roughly, icp::Noise{object.noise_mm});
-    one.impression = result::first_impression(model, one.alignment.T_camera_part, scene, 3.0 * tolerance_mm);
+    one.impression = result::first_impression(model, one.alignment.T_camera_part, scene, 3.0 * tolerance_mm).score;
     tried.push_back(one);
   }
   std::stable_sort(tried.begin(), tried.end(),
