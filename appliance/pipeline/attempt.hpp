@@ -16,8 +16,8 @@ namespace beltpick::pipeline {
 // higher price.
 enum class Effort : std::uint8_t {
   kPrimitives,      // what the object's cylinders and spheres suggest
-  kViews,           // every view of the part
   kPlanes,          // what one face suggests
+  kViews,           // every view of the part
   kNeighbourhoods,  // all three, on what lies close together: an object may be several parts
   kAll,             // all four in turn
 };

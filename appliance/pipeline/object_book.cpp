@@ -191,7 +191,7 @@ void ObjectBook::failed(const Object& object, const Attempt& attempt) {
                           attempt.reason.code == ResultCode::kDuplicatePose || effort_ == Effort::kNeighbourhoods;
     // Neighbourhoods help where a pose was found that is not quite right: between two parts.
     const bool single = e->nearest.stage != Stage::kVerify || e->nearest.ambiguous();
-    e->given_up = hopeless || (effort_ == Effort::kPlanes && single);
+    e->given_up = hopeless || (effort_ == Effort::kViews && single);
     if (!e->given_up) e->next = static_cast<Effort>(static_cast<int>(effort_) + 1);
   }
 }

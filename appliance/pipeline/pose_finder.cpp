@@ -128,7 +128,7 @@ Attempt PoseFinder::try_neighbourhoods(const Context& context) {
 // The first route that ends with a verified pose, or the one that came nearest to it.
 Attempt PoseFinder::try_routes(const Context& context) {
   Attempt nearest;
-  for (const Effort route : {Effort::kPrimitives, Effort::kViews, Effort::kPlanes}) {
+  for (const Effort route : {Effort::kPrimitives, Effort::kPlanes, Effort::kViews}) {
     const Attempt attempt = try_route(context, route);
     if (attempt.verified) return attempt;
     if (attempt.nearer_than(nearest)) nearest = attempt;

@@ -20,7 +20,7 @@ struct TracedSearch {
   const Object& object;
   std::span<const PartModel> models;
   std::span<const OrientedPoint> sample;  // of the object
-  Effort route;                           // kPrimitives, kViews or kPlanes
+  Effort route;                           // kPrimitives, kPlanes or kViews
 };
 
 // All calls come from one thread: a locator with a trace has one worker. Each search begins and ends; between the two
