@@ -55,17 +55,10 @@ result::Region round_part(const Candidate& candidate, const PartModel& model, co
 result::Rivalry contend(const Candidate& a, const Candidate& b, const result::Scene& scene,
                         std::span<const PartModel> models) {
   constexpr int kStep = 4;
-  const PartModel& model_a = models[static_cast<std::size_t>(a.model_index)];
-  const PartModel& model_b = models[static_cast<std::size_t>(b.model_index)];
-  const auto region_of = [&](const Candidate& candidate, const PartModel& model) {
-    const double reach_mm = 2.0 * model.spacing_mm + result::surface_tolerance_mm(scene, model.spacing_mm);
-    return round_part(candidate, model, scene, reach_mm, kStep);
+  const auto claim = [&](const Candidate& candidate) {
+    return result::Rival{models[static_cast<std::size_t>(candidate.model_index)], candidate.alignment.T_camera_part};
   };
-  const result::Region first = region_of(a, model_a), second = region_of(b, model_b);
-  return result::compare({model_a, a.alignment.T_camera_part}, {model_b, b.alignment.T_camera_part}, scene,
-                         {std::min(first.row_min, second.row_min), std::max(first.row_max, second.row_max),
-                          std::min(first.col_min, second.col_min), std::max(first.col_max, second.col_max)},
-                         kStep);
+  return result::compare(claim(a), claim(b), scene, kStep);
 }
 
 }  // namespace

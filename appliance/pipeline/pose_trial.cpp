@@ -57,11 +57,6 @@ constexpr double kSameSurfaceShare = 0.98;
 // Along a freedom that is not held firmly other poses are looked for, so far away on the part's rim.
 constexpr std::array<double, 6> kExplored_mm{2.5, -2.5, 6.0, -6.0, 14.0, -14.0};
 
-result::Region both(const result::Region& a, const result::Region& b) {
-  return {std::min(a.row_min, b.row_min), std::max(a.row_max, b.row_max), std::min(a.col_min, b.col_min),
-          std::max(a.col_max, b.col_max)};
-}
-
 // Whether the part in both poses, one of them mirrored, is the same surface: it has a plane of symmetry there.
 bool same_surface(const PartModel& model, const result::PartPose& mirrored, const result::PartPose& pose,
                   float tolerance_mm) {
@@ -213,13 +208,11 @@ void PoseFinder::add_lookalikes(const Context& context, const Candidate& champio
 bool PoseFinder::far_behind(const Context& context, const Candidate& other, const Candidate& champion,
                             const Gate& gate) {
   if (impression(context, other).seen_empty > impression(context, champion).seen_empty + gate.seen_empty) return true;
-  const result::Scene& scene = context.scene;
   const auto claim = [&](const Candidate& candidate) {
     return result::Rival{context.models[static_cast<std::size_t>(candidate.model_index)],
                          candidate.alignment.T_camera_part};
   };
-  const result::Rivalry rivalry = result::compare(claim(champion), claim(other), scene,
-                                                  {0, scene.labels.rows - 1, 0, scene.labels.cols - 1}, kPixelStep);
+  const result::Rivalry rivalry = result::compare(claim(champion), claim(other), context.scene, kPixelStep);
   return rivalry.both + rivalry.only_second < gate.explained * (rivalry.both + rivalry.only_first);
 }
 
@@ -274,9 +267,8 @@ bool PoseFinder::beats_rivals(const Context& context, const Candidate& champion,
     if (hopeless(rival, champion, context.models) || same_place(champion, rival, model)) continue;
     if (rival.evidence.blemishes.any()) continue;
     const auto& other = context.models[static_cast<std::size_t>(rival.model_index)];
-    const result::Rivalry rivalry =
-        result::compare({model, champion.alignment.T_camera_part}, {other, rival.alignment.T_camera_part},
-                        context.scene, both(champion.region, rival.region), 1);
+    const result::Rivalry rivalry = result::compare({model, champion.alignment.T_camera_part},
+                                                    {other, rival.alignment.T_camera_part}, context.scene, 1);
     if (trace_ != nullptr) trace_->compared(champion, rival, rivalry);
     if (rivalry.same_object() && !result::prevails(rivalry)) return false;
   }
@@ -304,8 +296,8 @@ bool PoseFinder::beats_mirror_image(const Context& context, const Candidate& cha
     if (is_the_part() || !finish_challenger(context, champion, rival)) continue;
     if (hopeless(rival, champion, context.models) || rival.evidence.blemishes.any()) continue;
     if (is_the_part()) continue;
-    const result::Rivalry rivalry = result::compare({model, pose}, {model, rival.alignment.T_camera_part},
-                                                    context.scene, both(champion.region, rival.region), 1);
+    const result::Rivalry rivalry =
+        result::compare({model, pose}, {model, rival.alignment.T_camera_part}, context.scene, 1);
     if (trace_ != nullptr) trace_->compared(champion, rival, rivalry);
     if (rivalry.same_object() && !result::prevails(rivalry)) return false;
   }

@@ -2,7 +2,6 @@
 #pragma once
 
 #include "contract/part_model.hpp"
-#include "result/drawing.hpp"
 #include "result/scene.hpp"
 
 namespace beltpick::result {
@@ -26,9 +25,9 @@ struct Rival {
   PartPose T_camera_part;
 };
 
-// Counts, over the measured pixels of objects in the image region (inclusive, every `step`-th row and column), what
-// lies on the surface of either. The tolerance is that of each model's spacing.
-Rivalry compare(const Rival& first, const Rival& second, const Scene& scene, const Region& region, int step);
+// Counts, over the measured pixels of objects (on every `step`-th row and column of the image), what lies on the
+// surface of either. The tolerance is that of each model's spacing.
+Rivalry compare(const Rival& first, const Rival& second, const Scene& scene, int step);
 
 // Whether the first pose is to be believed against the second: enough places speak for it, and few against.
 bool prevails(const Rivalry& rivalry);
