@@ -159,15 +159,59 @@ TEST_CASE("a part mostly out of the image is withheld as such") {
   CHECK(verdict.error().code == ResultCode::kPartlyOutOfView);
 }
 
+TEST_CASE("a first impression tells a pose that is measured from one that is seen to be empty") {
+  Bench bench(flange());
+  const PartModel& model = bench.loaded.model();
+  const double tolerance_mm = 3.0 * result::surface_tolerance_mm(bench.scene(), model.spacing_mm);
+  const auto right = result::first_impression(model, bench.truth, bench.scene(), tolerance_mm);
+  CHECK(right.score > 0.75);
+  CHECK(right.seen_empty < 0.02);
+  result::PartPose before = bench.truth;
+  before.translation_mm.z() -= 40.0;
+  const auto empty = result::first_impression(model, before, bench.scene(), tolerance_mm);
+  CHECK(empty.score < -1.0);
+  CHECK(empty.seen_empty > 0.7);
+}
+
+TEST_CASE("two poses are compared wherever either part appears, and counted as pixel by pixel") {
+  Bench bench(flange());
+  const PartModel& model = bench.loaded.model();
+  result::PartPose aside = bench.truth;
+  aside.translation_mm += Vec3(25.0, -10.0, 0.0);
+  const result::Scene scene = bench.scene();
+  const auto holds = [&](const result::PartPose& pose, int row, int col) {
+    const Vec3f at = (pose.inverse() * scene.range.point_mm(row, col).cast<double>()).cast<float>();
+    const OrientedPoint& nearest = model.nearest(at);
+    const double tolerance_mm = result::surface_tolerance_mm(scene, model.spacing_mm);
+    return std::abs(nearest.normal.dot(at - nearest.point_mm)) < tolerance_mm &&
+           (at - nearest.point_mm).norm() < 1.5 * model.spacing_mm + tolerance_mm;
+  };
+  result::Rivalry expected;
+  for (int row = 0; row < scene.labels.rows; row += 3) {
+    for (int col = 0; col < scene.labels.cols; col += 3) {
+      if (scene.labels(row, col) == 0 || !scene.range.valid(row, col)) continue;
+      const bool first = holds(bench.truth, row, col), second = holds(aside, row, col);
+      expected.both += first && second ? 1 : 0;
+      expected.only_first += first && !second ? 1 : 0;
+      expected.only_second += second && !first ? 1 : 0;
+    }
+  }
+  REQUIRE(expected.only_first > 50);
+  REQUIRE(expected.both > 50);
+  const auto counted = result::compare({model, bench.truth}, {model, aside}, scene, 3);
+  CHECK(std::abs(counted.both - expected.both) <= 2);
+  CHECK(std::abs(counted.only_first - expected.only_first) <= 2);
+  CHECK(std::abs(counted.only_second - expected.only_second) <= 2);
+}
+
 TEST_CASE("of two poses the picture prefers the true one, and cannot choose between equals") {
   Bench bench(flange());
-  const result::Region all{0, 479, 0, 639};
   const result::Rival truth{bench.loaded.model(), bench.truth};
   const result::Rival turned{bench.loaded.model(), bench.turned(Vec3::UnitZ(), kPi / 4)};
   const result::Rival equal{bench.loaded.model(), bench.turned(Vec3::UnitZ(), kPi / 2)};
-  CHECK(result::prevails(result::compare(truth, turned, bench.scene(), all, 1)));
-  CHECK_FALSE(result::prevails(result::compare(turned, truth, bench.scene(), all, 1)));
-  const auto tie = result::compare(truth, equal, bench.scene(), all, 1);
+  CHECK(result::prevails(result::compare(truth, turned, bench.scene(), 1)));
+  CHECK_FALSE(result::prevails(result::compare(turned, truth, bench.scene(), 1)));
+  const auto tie = result::compare(truth, equal, bench.scene(), 1);
   CHECK(tie.same_object());
   CHECK_FALSE(result::prevails(tie));
 }
