@@ -65,6 +65,13 @@ Region OnSurface::region(const PartPose& T_camera_part, const Scene& scene) cons
           std::max(0, static_cast<int>(col_min)), std::min(image.cols - 1, static_cast<int>(col_max))};
 }
 
+// A pose that is right explains what another one of its size explains, but for edges, or it explains clearly more. Of
+// 23 poses that were right and had such a rival, 20 explained 2 to 16 % more than it, and all 16 times as much as they
+// left to it; of three that were wrong each had a rival than which it explained 1 % more at most, and 7 times as much
+// as it left.
+constexpr double kAllBut = 10.0;
+constexpr double kClearLead = 0.013;  // of what both explain
+
 int on_lattice(int px, int step) { return px / step * step; }
 
 }  // namespace
@@ -93,7 +100,8 @@ bool prevails(const Rivalry& rivalry) {
   // Along edges a pixel falls to the one or the other by chance: four standard deviations of that, and a few pixels.
   const double lead = rivalry.only_first - rivalry.only_second;
   const double chance = std::sqrt(static_cast<double>(rivalry.only_first + rivalry.only_second));
-  return lead > 10.0 + 4.0 * chance;
+  if (lead <= 10.0 + 4.0 * chance) return false;
+  return rivalry.only_first > kAllBut * rivalry.only_second || lead > kClearLead * rivalry.both;
 }
 
 }  // namespace beltpick::result

@@ -215,3 +215,11 @@ TEST_CASE("of two poses the picture prefers the true one, and cannot choose betw
   CHECK(tie.same_object());
   CHECK_FALSE(result::prevails(tie));
 }
+
+TEST_CASE("a pose prevails that explains clearly more than its rival, or all that the rival does") {
+  CHECK(result::prevails({30000, 115, 7}));
+  CHECK(result::prevails({14000, 300, 60}));
+  // Two neighbours along a freedom that is hardly held: both wrong, the one by chance a little better.
+  CHECK_FALSE(result::prevails({21000, 254, 39}));
+  CHECK_FALSE(result::prevails({95000, 207, 90}));
+}
