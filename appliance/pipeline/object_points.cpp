@@ -2,8 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-
-#include <Eigen/Eigenvalues>
+#include <utility>
 
 #include "base/random.hpp"
 
@@ -13,6 +12,8 @@ namespace {
 constexpr float kNormalRadius_mm = 1.6F;
 constexpr int kHalfWindow = 2;  // in strides
 constexpr int kLeastNeighbours = 7;
+constexpr float kLeastBreadth = 0.02F;  // of their spread, of that along the line they may lie on
+constexpr int kTurnsToThinnest = 2;
 
 // How far apart neighbouring pixels see at this point, mm.
 float pixel_pitch_mm(const RangeImage& range, int row, int col) {
@@ -24,6 +25,63 @@ float pixel_pitch_mm(const RangeImage& range, int row, int col) {
     if (pitch == 0.0F || across < pitch) pitch = across;
   }
   return pitch;
+}
+
+// Second moments of points about their mean; all zero where they are too few.
+struct Spread {
+  float xx = 0.0F, yy = 0.0F, zz = 0.0F, xy = 0.0F, xz = 0.0F, yz = 0.0F;
+};
+
+// Of the points on a lattice of pixels round one, those within `reach` of its point.
+Spread spread_round(const RangeImage& range, int row, int col, int stride, float reach) {
+  const Vec3f& here = range.point_mm(row, col);
+  Spread s;
+  float x = 0.0F, y = 0.0F, z = 0.0F, count = 0.0F;
+  const auto within = [stride](int middle, int size) {
+    const int below = std::min(kHalfWindow, middle / stride),
+              above = std::min(kHalfWindow, (size - 1 - middle) / stride);
+    return std::pair{middle - below * stride, middle + above * stride};
+  };
+  const auto [row_min, row_max] = within(row, range.point_mm.rows);
+  const auto [col_min, col_max] = within(col, range.point_mm.cols);
+  for (int r = row_min; r <= row_max; r += stride) {
+    for (int c = col_min; c <= col_max; c += stride) {
+      const Vec3f& there = range.point_mm(r, c);
+      const float dx = there.x() - here.x(), dy = there.y() - here.y(), dz = there.z() - here.z();
+      if (!range.valid(r, c) || dx * dx + dy * dy + dz * dz > reach * reach) continue;
+      x += dx, y += dy, z += dz, count += 1.0F;
+      s.xx += dx * dx, s.yy += dy * dy, s.zz += dz * dz, s.xy += dx * dy, s.xz += dx * dz, s.yz += dy * dz;
+    }
+  }
+  if (count < static_cast<float>(kLeastNeighbours)) return {};
+  const float per = 1.0F / count;
+  x *= per, y *= per, z *= per;
+  return {s.xx * per - x * x, s.yy * per - y * y, s.zz * per - z * z,
+          s.xy * per - x * y, s.xz * per - x * z, s.yz * per - y * z};
+}
+
+// The direction in which points spread least; none where they lie on a line. The matrix of cofactors is the inverse but
+// for a factor: it turns any vector towards that direction, by some hundred times at once where points lie on a
+// surface.
+std::optional<Vec3f> thinnest_direction(const Spread& s) {
+  Eigen::Matrix3f cofactors;
+  cofactors << s.yy * s.zz - s.yz * s.yz, s.xz * s.yz - s.xy * s.zz, s.xy * s.yz - s.xz * s.yy,  //
+      s.xz * s.yz - s.xy * s.zz, s.xx * s.zz - s.xz * s.xz, s.xy * s.xz - s.xx * s.yz,           //
+      s.xy * s.yz - s.xz * s.yy, s.xy * s.xz - s.xx * s.yz, s.xx * s.yy - s.xy * s.xy;
+  int steepest = 0;
+  cofactors.diagonal().maxCoeff(&steepest);
+  Vec3f direction = cofactors.col(steepest);
+  for (int turn = 0; turn < kTurnsToThinnest; ++turn) direction = cofactors * direction.normalized();
+  direction.normalize();
+  const Vec3f shrunk(s.xx * direction.x() + s.xy * direction.y() + s.xz * direction.z(),
+                     s.xy * direction.x() + s.yy * direction.y() + s.yz * direction.z(),
+                     s.xz * direction.x() + s.yz * direction.y() + s.zz * direction.z());
+  // The other two eigenvalues, by their sum and product: of a ratio q the product is q / (1 + q)^2 of the sum's square.
+  const float least = direction.dot(shrunk);
+  const float sum = s.xx + s.yy + s.zz - least, product = cofactors.trace() - least * sum;
+  constexpr float kLeastOfSquare = kLeastBreadth / ((1.0F + kLeastBreadth) * (1.0F + kLeastBreadth));
+  if (!(product > kLeastOfSquare * sum * sum)) return {};
+  return direction;
 }
 
 }  // namespace
@@ -45,31 +103,11 @@ std::optional<Vec3f> measured_normal(const RangeImage& range, int row, int col, 
   const float pitch = pixel_pitch_mm(range, row, col);
   if (pitch <= 0.0F) return {};
   const int stride = std::clamp(static_cast<int>(std::lround(radius_mm / (kHalfWindow * pitch))), 1, 8);
-  const Vec3f& here = range.point_mm(row, col);
   // Beyond the diagonal of the window on a surface leaning by 70 degrees there is a step.
   const float reach = 3.0F * 1.42F * pitch * static_cast<float>(stride * kHalfWindow);
-  Vec3f sum = Vec3f::Zero();
-  Eigen::Matrix3f square = Eigen::Matrix3f::Zero();
-  int count = 0;
-  for (int r = row - kHalfWindow * stride; r <= row + kHalfWindow * stride; r += stride) {
-    for (int c = col - kHalfWindow * stride; c <= col + kHalfWindow * stride; c += stride) {
-      if (!range.point_mm.contains(r, c) || !range.valid(r, c)) continue;
-      const Vec3f arm = range.point_mm(r, c) - here;
-      if (arm.squaredNorm() > reach * reach) continue;
-      sum += arm;
-      square.noalias() += arm * arm.transpose();
-      ++count;
-    }
-  }
-  if (count < kLeastNeighbours) return {};
-  const Vec3f mean = sum / static_cast<float>(count);
-  const Eigen::Matrix3f spread = square / static_cast<float>(count) - mean * mean.transpose();
-  Eigen::SelfAdjointEigenSolver<Eigen::Matrix3f> axes;
-  axes.computeDirect(spread);
-  // Points on a line have no normal.
-  if (axes.eigenvalues()[1] < 0.02F * axes.eigenvalues()[2]) return {};
-  const Vec3f normal = axes.eigenvectors().col(0);
-  return normal.dot(here) > 0.0F ? Vec3f(-normal) : normal;
+  const auto normal = thinnest_direction(spread_round(range, row, col, stride, reach));
+  if (!normal) return {};
+  return normal->dot(range.point_mm(row, col)) > 0.0F ? Vec3f(-*normal) : *normal;
 }
 
 std::size_t sample_object(const RangeImage& range, ImageView<const std::uint16_t> labels, const Object& object,
