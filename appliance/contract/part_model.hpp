@@ -36,9 +36,9 @@ struct PartModel {
   static constexpr int kMaxGrasps = 32;
   static constexpr int kViews = 162;  // a twice divided icosahedron: 15 to 18 degrees from view to view
 
-  std::span<const OrientedPoint> surface;    // part frame, outward normals
-  std::span<const PointBlock> blocks;        // the same, in order: all full but the last
-  std::span<const std::uint16_t> scattered;  // some of their indices, spread at random over the surface
+  std::span<const OrientedPoint> surface;  // part frame, outward normals
+  std::span<const PointBlock> blocks;      // the same, in order: all full but the last
+  std::span<const PointBlock> scattered;   // some of them, spread at random over the surface; all full
   float spacing_mm = 1.0F;
   Vec3 centre_mm = Vec3::Zero();  // of the bounding box
   Vec3 box_min_mm = Vec3::Zero();

@@ -11,15 +11,17 @@
 namespace beltpick::pipeline {
 namespace {
 
-// Points of a first impression: enough that one fifth of a part seen gives a hundred.
-constexpr std::size_t kScattered = 1000;
+// Blocks of points of a first impression: enough that one fifth of a part seen gives a hundred.
+constexpr std::size_t kScattered = 16;
 // Measured points farther away than this share of the part's size are no part of it; nor need the grid reach farther.
 constexpr double kMarginShare = 0.07;
 
-void scatter(std::size_t points, std::span<std::uint16_t> scattered) {
+void scatter(std::span<const OrientedPoint> surface, std::span<PointBlock> scattered) {
   Random random(1);
-  for (std::uint16_t& index : scattered)
-    index = static_cast<std::uint16_t>(random.below(static_cast<std::uint32_t>(points)));
+  for (PointBlock& block : scattered) {
+    for (int i = 0; i < PointBlock::kSize; ++i)
+      block.put(surface[random.below(static_cast<std::uint32_t>(surface.size()))], i);
+  }
 }
 
 void copy_symmetry(const Symmetry& symmetry, PartModel& model) {
@@ -43,7 +45,7 @@ ModelStore::ModelStore(Arena& arena, const Limits& limits) : limits_(limits) {
         arena.take<OrientedPoint>("templates: surface points", static_cast<std::size_t>(limits.template_points)),
         arena.take<PointBlock>("templates: surface points",
                                PointBlock::blocks_for(static_cast<std::size_t>(limits.template_points))),
-        arena.take<std::uint16_t>("templates: surface points", kScattered),
+        arena.take<PointBlock>("templates: surface points", kScattered),
         arena.take<std::uint16_t>("templates: closest-point grids", static_cast<std::size_t>(limits.grid_cells))};
     if (!arena.measuring()) slots_[i] = slot;
   }
@@ -107,8 +109,8 @@ void ModelStore::index_surface(Slot& slot, std::unique_ptr<ClosestPointTree>& tr
 void ModelStore::fill(const PartTemplate& part, const GripperShape& gripper, Slot& slot, PartModel& model) const {
   const std::size_t points = part.point_mm.size();
   for (std::size_t i = 0; i < points; ++i) slot.surface[i] = {part.point_mm[i], part.normal[i]};
-  scatter(points, slot.scattered);
   model.surface = slot.surface.first(points);
+  scatter(model.surface, slot.scattered);
   model.blocks = slot.blocks.first(PointBlock::blocks_for(points));
   for (std::size_t i = 0; i < model.blocks.size(); ++i)
     slot.blocks[i].load(model.surface.subspan(i * PointBlock::kSize));

@@ -37,7 +37,7 @@ class ModelStore {
   struct Slot {
     std::span<OrientedPoint> surface;
     std::span<PointBlock> blocks;
-    std::span<std::uint16_t> scattered;
+    std::span<PointBlock> scattered;
     std::span<std::uint16_t> grid;
   };
   void index_surface(Slot& slot, std::unique_ptr<ClosestPointTree>& tree, PartModel& model) const;

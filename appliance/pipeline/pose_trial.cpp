@@ -63,13 +63,19 @@ bool same_surface(const PartModel& model, const result::PartPose& mirrored, cons
   const auto across = pose.inverse() * mirrored;
   const Eigen::Matrix3f rotation = across.rotation.cast<float>();
   const Vec3f translation = across.translation_mm.cast<float>();
-  const auto on_surface = std::count_if(model.scattered.begin(), model.scattered.end(), [&](std::uint16_t index) {
-    const Vec3f at = rotation * model.surface[index].point_mm + translation;
-    const OrientedPoint& nearest = model.nearest(at);
-    return std::abs(nearest.normal.dot(at - nearest.point_mm)) < tolerance_mm &&
-           (at - nearest.point_mm).norm() < 2.0F * model.spacing_mm + tolerance_mm;
-  });
-  return static_cast<double>(on_surface) >= kSameSurfaceShare * static_cast<double>(model.scattered.size());
+  std::size_t on_surface = 0;
+  for (const PointBlock& block : model.scattered) {
+    for (std::size_t k = 0; k < PointBlock::kSize; ++k) {
+      const Vec3f at = rotation * Vec3f(block.x[k], block.y[k], block.z[k]) + translation;
+      const OrientedPoint& nearest = model.nearest(at);
+      on_surface += std::abs(nearest.normal.dot(at - nearest.point_mm)) < tolerance_mm &&
+                            (at - nearest.point_mm).norm() < 2.0F * model.spacing_mm + tolerance_mm
+                        ? 1
+                        : 0;
+    }
+  }
+  return static_cast<double>(on_surface) >=
+         kSameSurfaceShare * static_cast<double>(model.scattered.size() * PointBlock::kSize);
 }
 
 }  // namespace

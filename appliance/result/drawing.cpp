@@ -4,7 +4,7 @@
 #include <bit>
 #include <cmath>
 
-#include "base/kernel.hpp"
+#include "result/camera_view.hpp"
 
 namespace beltpick::result {
 namespace {
@@ -13,60 +13,6 @@ constexpr float kLeastCosine = 0.2F;
 constexpr int kSplat = 3;
 constexpr float kSplatShare = 0.7F;  // of the spacing: half the width of a point's square
 constexpr std::uint64_t kNothing = ~std::uint64_t{0};
-constexpr float kFacing = 0.02F;  // cosine from which on a surface is drawn at all
-
-// The lens's plain numbers, as contract/lens_project.hpp uses them.
-struct Optics {
-  float fx, fy, cx, cy, k1, k2, p1, p2, k3;
-  float left, right, top, bottom;  // of the field: see in_field()
-  float spacing_mm;
-
-  Optics(const Lens& lens, float spacing)
-      : fx(static_cast<float>(lens.fx_px)),
-        fy(static_cast<float>(lens.fy_px)),
-        cx(static_cast<float>(lens.cx_px)),
-        cy(static_cast<float>(lens.cy_px)),
-        k1(static_cast<float>(lens.distortion[0])),
-        k2(static_cast<float>(lens.distortion[1])),
-        p1(static_cast<float>(lens.distortion[2])),
-        p2(static_cast<float>(lens.distortion[3])),
-        k3(static_cast<float>(lens.distortion[4])),
-        left(-0.25F * static_cast<float>(lens.width)),
-        right(1.25F * static_cast<float>(lens.width)),
-        top(-0.25F * static_cast<float>(lens.height)),
-        bottom(1.25F * static_cast<float>(lens.height)),
-        spacing_mm(spacing) {}
-};
-
-// What the camera sees of the points of a block.
-struct Seen {
-  alignas(64) PointBlock::Row column_px, row_px, cosine, own_mm;
-  alignas(64) std::array<int, PointBlock::kSize> front;  // 1 where the point is to be drawn
-};
-
-// The image of points in the camera frame: project() and in_field() of contract/lens_project.hpp, sixteen at a time.
-BELTPICK_KERNEL void look_at(const PointBlock& at, const Optics& o, std::size_t count, Seen& __restrict seen) {
-  for (std::size_t i = 0; i < count; i += PointBlock::kLanes) {
-    for (std::size_t k = i; k < i + PointBlock::kLanes; ++k) {
-      const float away = -(at.nx[k] * at.x[k] + at.ny[k] * at.y[k] + at.nz[k] * at.z[k]);
-      const float distance = std::sqrt(at.x[k] * at.x[k] + at.y[k] * at.y[k] + at.z[k] * at.z[k]);
-      const float cosine = away / distance;
-      const float x = at.x[k] / at.z[k], y = at.y[k] / at.z[k];
-      const float straight_column = o.fx * x + o.cx, straight_row = o.fy * y + o.cy;
-      const float r2 = x * x + y * y;
-      const float radial = 1.0F + r2 * (o.k1 + r2 * (o.k2 + r2 * o.k3));
-      seen.column_px[k] = o.fx * (x * radial + 2.0F * o.p1 * x * y + o.p2 * (r2 + 2.0F * x * x)) + o.cx;
-      seen.row_px[k] = o.fy * (y * radial + o.p1 * (r2 + 2.0F * y * y) + 2.0F * o.p2 * x * y) + o.cy;
-      seen.cosine[k] = cosine;
-      const float sine2 = 1.0F - cosine * cosine;
-      seen.own_mm[k] = o.spacing_mm * (1.0F + 2.0F * std::sqrt(sine2 > 0.0F ? sine2 : 0.0F) / cosine);
-      const int drawn = (at.z[k] > 1.0F ? 1 : 0) & (cosine > kFacing ? 1 : 0) & (straight_column > o.left ? 1 : 0) &
-                        (straight_column < o.right ? 1 : 0) & (straight_row > o.top ? 1 : 0) &
-                        (straight_row < o.bottom ? 1 : 0);
-      seen.front[k] = drawn;
-    }
-  }
-}
 
 }  // namespace
 
@@ -98,7 +44,7 @@ void Drawing::draw(const PartModel& model, const PartPose& T_camera_part, const 
 
 void Drawing::project_front(const PartModel& model, const PartPose& T_camera_part, const Lens& lens) {
   const FastMotion motion(T_camera_part);
-  const Optics optics(lens, model.spacing_mm);
+  const Optics optics(lens);
   front_count_ = 0;
   PointBlock at;
   Seen seen;
@@ -106,9 +52,9 @@ void Drawing::project_front(const PartModel& model, const PartPose& T_camera_par
     const auto count =
         static_cast<int>(std::min<std::size_t>(PointBlock::kSize, model.surface.size() - block * PointBlock::kSize));
     move_points(model.blocks[block], motion, count, at);
-    look_at(at, optics, static_cast<std::size_t>(PointBlock::whole_steps(count)), seen);
+    look_at(at, optics, model.spacing_mm, count, seen);
     for (std::size_t k = 0; k < static_cast<std::size_t>(count); ++k) {
-      if (seen.front[k] == 0) continue;
+      if (seen.facing[k] == 0) continue;
       front_[front_count_++] = {{at.x[k], at.y[k], at.z[k]},
                                 {at.nx[k], at.ny[k], at.nz[k]},
                                 seen.column_px[k],

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "contract/lens_project.hpp"
+#include "result/camera_view.hpp"
 #include "result/outline.hpp"
 
 namespace beltpick::result {
@@ -13,6 +13,8 @@ namespace {
 constexpr double kSunk_mm = 3.0;
 // Of eight places round a missing one, so many measured as expected tell that the surface is there.
 constexpr int kLeastSpeckles = 2;
+// A surface that leans away more makes no impression: it is rarely measured.
+constexpr float kLeastCosine = 0.2F;
 
 struct Tolerance {
   float surface_mm;
@@ -215,36 +217,43 @@ double sunk_share(const PartModel& model, const PartPose& T_camera_part, const P
   const Vec3f slope = (T_camera_part.rotation.transpose() * belt.normal).cast<float>();
   const auto zero = static_cast<float>(belt.height_mm(T_camera_part.translation_mm));
   const auto lowest = static_cast<float>(-std::max(kSunk_mm, 4.0 * tolerance_mm));
-  const auto sunk = std::count_if(model.scattered.begin(), model.scattered.end(), [&](std::uint16_t index) {
-    return slope.dot(model.surface[index].point_mm) + zero < lowest;
-  });
-  return static_cast<double>(sunk) / static_cast<double>(model.scattered.size());
+  int sunk = 0;
+  for (const PointBlock& block : model.scattered) {
+    for (std::size_t k = 0; k < PointBlock::kSize; ++k) {
+      const float height_mm = slope.x() * block.x[k] + slope.y() * block.y[k] + slope.z() * block.z[k] + zero;
+      sunk += height_mm < lowest ? 1 : 0;
+    }
+  }
+  return sunk / static_cast<double>(model.scattered.size() * PointBlock::kSize);
 }
 
 Impression first_impression(const PartModel& model, const PartPose& T_camera_part, const Scene& scene,
                             double tolerance_mm) {
-  const Eigen::Matrix3f rotation = T_camera_part.rotation.cast<float>();
-  const Vec3f translation = T_camera_part.translation_mm.cast<float>();
+  const FastMotion motion(T_camera_part);
+  const Optics optics(scene.lens);
   const Tolerance tolerance{static_cast<float>(tolerance_mm), static_cast<float>(2.0 * tolerance_mm)};
   int judged = 0, unjudged = 0, matched = 0, violated = 0;
-  for (const std::uint16_t index : model.scattered) {
-    const OrientedPoint& surface = model.surface[index];
-    const Vec3f point = rotation * surface.point_mm + translation;
-    const Vec3f normal = rotation * surface.normal;
-    if (normal.dot(point) > -0.2F * point.norm()) continue;
-    ++unjudged;
-    if (!in_field(scene.lens, point.cast<double>())) continue;
-    const PixelPosition at = project(scene.lens, point.cast<double>());
-    const int row = static_cast<int>(std::lround(at.row_px));
-    const int col = static_cast<int>(std::lround(at.column_px));
-    if (!scene.range.point_mm.contains(row, col)) continue;
-    const Finding finding = compare(scene.range.point_mm(row, col), point, normal, tolerance);
-    if (finding == Finding::kOccluded) continue;
-    if (finding == Finding::kMissing && in_shadow(scene, point, normal, tolerance)) continue;
-    ++judged;
-    --unjudged;
-    matched += finding == Finding::kMatched ? 1 : 0;
-    violated += finding == Finding::kViolated ? 1 : 0;
+  PointBlock points;
+  Seen seen;
+  for (const PointBlock& block : model.scattered) {
+    move_points(block, motion, PointBlock::kSize, points);
+    look_at(points, optics, model.spacing_mm, PointBlock::kSize, seen);
+    for (std::size_t k = 0; k < PointBlock::kSize; ++k) {
+      if (seen.cosine[k] < kLeastCosine) continue;
+      ++unjudged;
+      if (seen.facing[k] == 0) continue;
+      const int row = static_cast<int>(std::lround(seen.row_px[k]));
+      const int col = static_cast<int>(std::lround(seen.column_px[k]));
+      if (!scene.range.point_mm.contains(row, col)) continue;
+      const Vec3f point(points.x[k], points.y[k], points.z[k]), normal(points.nx[k], points.ny[k], points.nz[k]);
+      const Finding finding = compare(scene.range.point_mm(row, col), point, normal, tolerance);
+      if (finding == Finding::kOccluded) continue;
+      if (finding == Finding::kMissing && in_shadow(scene, point, normal, tolerance)) continue;
+      ++judged;
+      --unjudged;
+      matched += finding == Finding::kMatched ? 1 : 0;
+      violated += finding == Finding::kViolated ? 1 : 0;
+    }
   }
   if (judged == 0) return {};
   const double sunk = scene.belt ? sunk_share(model, T_camera_part, *scene.belt, tolerance_mm) : 0.0;
