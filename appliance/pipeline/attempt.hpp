@@ -30,6 +30,7 @@ struct Candidate {
   Alignment alignment;
   result::Evidence evidence;
   double strength = 0.0;  // what ranks it
+  bool finished = false;  // aligned as well as can be
   result::Region region;  // of the image in which it was drawn
 };
 

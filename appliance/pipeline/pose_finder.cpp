@@ -12,7 +12,6 @@
 namespace beltpick::pipeline {
 namespace {
 
-constexpr std::size_t kAlignSample = 1000;  // the paper's
 constexpr std::size_t kFinalSample = 2500;
 constexpr std::size_t kOutlinePairs = 4096;
 // Which step ends the last alignment, as a share of how far it looks.
@@ -85,6 +84,7 @@ PoseFinder::PoseFinder(Arena& arena, const Limits& limits)
 Attempt PoseFinder::find(const result::Scene& scene, ImageView<const std::uint16_t> owner, const Object& object,
                          std::span<const PartModel> models, std::uint64_t seed, Effort effort) {
   const Context context{scene, owner, object, models, seed};
+  drawn_.reset();
   sample_count_ = sample_object(scene.range, owner, object, kAlignSample, seed, sample_);
   if (sample_count_ < kLeastSample) {
     Attempt attempt;
@@ -288,13 +288,25 @@ result::Impression PoseFinder::impression(const Context& context, const Candidat
 void PoseFinder::align_fully(const Context& context, Candidate& candidate) {
   const PartModel& model = context.models[static_cast<std::size_t>(candidate.model_index)];
   const auto stages = full_stages(model, result::surface_tolerance_mm(context.scene, model.spacing_mm));
+  candidate.finished = false;
   candidate.alignment =
       icp::align(sample(), model, candidate.alignment.T_camera_part, stages, icp::Noise{context.scene.noise_mm});
 }
 
+// Unless it is what was drawn last.
+void PoseFinder::draw(const Context& context, const Candidate& candidate) {
+  const result::PartPose& pose = candidate.alignment.T_camera_part;
+  if (drawn_ && drawn_->model_index == candidate.model_index && drawn_->T_camera_part.rotation == pose.rotation &&
+      drawn_->T_camera_part.translation_mm == pose.translation_mm) {
+    return;
+  }
+  drawing_.draw(context.models[static_cast<std::size_t>(candidate.model_index)], pose, context.scene.lens);
+  drawn_ = {candidate.model_index, pose};
+}
+
 void PoseFinder::weigh(const Context& context, Candidate& candidate) {
   const PartModel& model = context.models[static_cast<std::size_t>(candidate.model_index)];
-  drawing_.draw(model, candidate.alignment.T_camera_part, context.scene.lens);
+  draw(context, candidate);
   candidate.evidence =
       result::weigh(drawing_, model, candidate.alignment.T_camera_part, context.scene,
                     {context.owner, {context.object.labels, static_cast<std::size_t>(context.object.label_count)}});
@@ -304,12 +316,12 @@ void PoseFinder::weigh(const Context& context, Candidate& candidate) {
 
 // The last alignment uses everything measured where the part is in sight, whatever segment it fell into: first what
 // lies a little off, then closely. Returns whether enough was measured there.
-bool PoseFinder::align_in_sight(const Context& context, Candidate& candidate, double tolerances) {
+bool PoseFinder::align_in_sight(const Context& context, Candidate& candidate, double tolerances, std::size_t sample) {
   const PartModel& model = context.models[static_cast<std::size_t>(candidate.model_index)];
   const double radius_mm = tolerances * result::surface_tolerance_mm(context.scene, model.spacing_mm);
-  drawing_.draw(model, candidate.alignment.T_camera_part, context.scene.lens);
+  draw(context, candidate);
   const std::size_t count =
-      sample_at_pose(context.scene.range, context.scene.labels, drawing_, radius_mm, kFinalSample, pose_sample_);
+      sample_at_pose(context.scene.range, context.scene.labels, drawing_, radius_mm, sample, pose_sample_);
   pose_sample_count_ = count;
   if (count < kLeastSample) return false;
   const std::size_t pairs =
@@ -322,14 +334,15 @@ bool PoseFinder::align_in_sight(const Context& context, Candidate& candidate, do
 }
 
 void PoseFinder::finish(const Context& context, Candidate& candidate) {
-  if (align_in_sight(context, candidate, kOff)) finish_closely(context, candidate);
+  if (align_in_sight(context, candidate, kOff, kAlignSample)) finish_closely(context, candidate);
 }
 
 void PoseFinder::finish_closely(const Context& context, Candidate& candidate) {
-  if (!align_in_sight(context, candidate, kClose)) return;
+  if (!align_in_sight(context, candidate, kClose, kFinalSample)) return;
   const PartModel& model = context.models[static_cast<std::size_t>(candidate.model_index)];
   weigh(context, candidate);
   candidate.evidence.blemishes = blemishes_.find(drawing_, context.scene, model.spacing_mm);
+  candidate.finished = true;
 }
 
 }  // namespace beltpick::pipeline

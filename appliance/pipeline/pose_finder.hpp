@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <span>
 
 #include "base/arena.hpp"
@@ -22,6 +23,8 @@ namespace beltpick::pipeline {
 
 // Points of an object that its hypotheses are ranked by: the paper's number.
 inline constexpr std::size_t kSearchSample = 100;
+// Points of it that poses are aligned with before they are nearly right: the paper's, too.
+inline constexpr std::size_t kAlignSample = 1000;
 
 class PoseFinder {
  public:
@@ -77,11 +80,12 @@ class PoseFinder {
   [[nodiscard]] double best_impression() const;
   [[nodiscard]] static result::Impression impression(const Context& context, const Candidate& candidate);
   void align_fully(const Context& context, Candidate& candidate);
+  void draw(const Context& context, const Candidate& candidate);
   void weigh(const Context& context, Candidate& candidate);
   void finish(const Context& context, Candidate& candidate);
   bool finish_challenger(const Context& context, const Candidate& champion, Candidate& other);
   void finish_closely(const Context& context, Candidate& candidate);
-  bool align_in_sight(const Context& context, Candidate& candidate, double tolerances);
+  bool align_in_sight(const Context& context, Candidate& candidate, double tolerances, std::size_t sample);
   [[nodiscard]] static bool far_behind(const Context& context, const Candidate& other, const Candidate& champion,
                                        const Gate& gate);
   Attempt decide(const Context& context);
@@ -110,7 +114,12 @@ class PoseFinder {
   std::array<Candidate, kMaxCandidates> candidates_{};
   int candidate_count_ = 0;
   primitives::Finder finder_;
+  struct Drawn {
+    int model_index;
+    result::PartPose T_camera_part;
+  };
   result::Drawing drawing_;
+  std::optional<Drawn> drawn_;  // what it shows
   result::BlemishFinder blemishes_;
   Trace* trace_ = nullptr;
 };

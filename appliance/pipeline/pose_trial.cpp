@@ -113,13 +113,16 @@ Attempt PoseFinder::decide(const Context& context) {
     finish(context, champion);
     keep_support();
     auto verdict = trial(context, champion, i);
-    if ((verdict || only_blemished(context, champion)) && challenge(context, champion))
+    auto outline = verdict ? outline_agrees(context, champion) : verdict;  // while it is drawn
+    if ((verdict || only_blemished(context, champion)) && challenge(context, champion)) {
       verdict = trial(context, champion, kNoIndex);
+      if (verdict) outline = outline_agrees(context, champion);
+    }
+    if (verdict) verdict = outline;
     if (verdict && !beats_mirror_image(context, champion)) {
       verdict = failure(ResultCode::kPoseAmbiguous,
                         "the part's mirror image fits as well; wait for a view of what tells them apart");
     }
-    if (verdict) verdict = outline_agrees(context, champion);
     if (trace_ != nullptr) trace_->judged(champion, verdict);
     if (verdict || first || verdict.error().code == ResultCode::kPoseAmbiguous) {
       attempt.best = champion;
@@ -225,7 +228,8 @@ bool PoseFinder::far_behind(const Context& context, const Candidate& other, cons
 // Finishes a pose that was aligned, unless it falls too far behind on the way. Returns whether it was finished.
 bool PoseFinder::finish_challenger(const Context& context, const Candidate& champion, Candidate& other) {
   if (far_behind(context, other, champion, kAligned)) return false;
-  if (!align_in_sight(context, other, kOff) || far_behind(context, other, champion, kInSight)) return false;
+  if (!align_in_sight(context, other, kOff, kAlignSample) || far_behind(context, other, champion, kInSight))
+    return false;
   finish_closely(context, other);
   return true;
 }
@@ -268,7 +272,7 @@ bool PoseFinder::beats_rivals(const Context& context, const Candidate& champion,
     Candidate rival = candidates_[static_cast<std::size_t>(i)];
     if (i == index || hopeless(rival, champion, context.models) || same_place(champion, rival, model)) continue;
     // Small differences decide: both must be aligned as well as can be.
-    finish(context, rival);
+    if (!rival.finished) finish(context, rival);
     ++finished;
     if (hopeless(rival, champion, context.models) || same_place(champion, rival, model)) continue;
     if (rival.evidence.blemishes.any()) continue;
@@ -314,7 +318,7 @@ bool PoseFinder::beats_mirror_image(const Context& context, const Candidate& cha
 Result<void> PoseFinder::outline_agrees(const Context& context, const Candidate& champion) {
   const PartModel& model = context.models[static_cast<std::size_t>(champion.model_index)];
   const result::PartPose& pose = champion.alignment.T_camera_part;
-  drawing_.draw(model, pose, context.scene.lens);
+  draw(context, champion);
   const double reach_mm =
       kAskedReaches * result::surface_tolerance_mm(context.scene, model.spacing_mm) + kAskedBeyond_mm;
   const std::size_t ends =
