@@ -78,7 +78,8 @@ TEST_CASE("scans are joined without any start", "[scans]") {
       scans::join(scans.views, [&](int done, int total) { told = done == ++told && total == 10 ? told : -99; });
   REQUIRE(joined.has_value());
   CHECK(told == 10);
-  for (std::size_t i = 1; i < scans.views.size(); ++i) CHECK(scans.off_mm(i, joined->T_part_scan[i]) < 1.0);
+  // So near that the adjustment of all brings them together; pairs by themselves end within 0.3 to 2 mm.
+  for (std::size_t i = 1; i < scans.views.size(); ++i) CHECK(scans.off_mm(i, joined->T_part_scan[i]) < 2.5);
   CHECK(joined->seconds.empty());
 }
 
@@ -88,6 +89,10 @@ TEST_CASE("stitched scans say how well they fit and how the part lies", "[scans]
   REQUIRE(stitched.has_value());
   CHECK(stitched->residual_mm < 0.12);
   REQUIRE(stitched->scans.size() == 5);
+  for (std::size_t i = 1; i < scans.views.size(); ++i) {
+    const auto T_first_scan = stitched->scans[0].T_part_scan.inverse() * stitched->scans[i].T_part_scan;
+    CHECK(scans.off_mm(i, {T_first_scan.rotation, T_first_scan.translation_mm}) < 0.45);  // of pixels of 0.5 mm
+  }
   CHECK(stitched->scans[0].shared > 0.05);
   // The part stands on the plane z = 0 of its frame, as in the first scan.
   float lowest = 1e9F;
