@@ -30,6 +30,14 @@ struct GraspPose {
   bool clear_of_part = true;  // the open jaws do not meet the part itself
 };
 
+// Points all over the part's surface, as they are drawn.
+struct SurfaceBlocks {
+  std::span<const PointBlock> blocks;  // all full but the last
+  std::size_t count = 0;               // of points
+  float spacing_mm = 1.0F;
+  float stands_for = 1.0F;  // points of the template, each of these
+};
+
 struct PartModel {
   static constexpr int kMaxPrimitives = 16;
   static constexpr int kMaxSymmetries = 128;
@@ -37,7 +45,8 @@ struct PartModel {
   static constexpr int kViews = 162;  // a twice divided icosahedron: 15 to 18 degrees from view to view
 
   std::span<const OrientedPoint> surface;  // part frame, outward normals
-  std::span<const PointBlock> blocks;      // the same, in order: all full but the last
+  SurfaceBlocks fine;                      // the same, in order
+  SurfaceBlocks coarse;                    // about a quarter of them, evenly spread
   std::span<const PointBlock> scattered;   // some of them, spread at random over the surface; all full
   float spacing_mm = 1.0F;
   Vec3 centre_mm = Vec3::Zero();  // of the bounding box

@@ -177,7 +177,7 @@ void Locator::reconsider_shadowed(const result::Scene& scene, std::span<const Pa
     if (attempt.reason.code != ResultCode::kCoverageTooLow) return false;
     const PartModel& model = models[static_cast<std::size_t>(attempt.best.model_index)];
     const result::PartPose& pose = attempt.best.alignment.T_camera_part;
-    drawing_.draw(model, pose, scene.lens);
+    drawing_.draw(model.fine, pose, scene.lens);
     return result::judge(result::weigh(drawing_, model, pose, scene),
                          result::surface_tolerance_mm(scene, model.spacing_mm), model.required)
         .has_value();
@@ -277,7 +277,7 @@ LocatedPart Locator::describe(const result::Scene& scene, std::span<const PartMo
   part.score = result::score(candidate.evidence);
   part.covariance = candidate.alignment.covariance;
   part.touches_neighbour = touches_neighbour(scene, model, candidate);
-  drawing_.draw(model, part.T_camera_part, scene.lens);
+  drawing_.draw(model.fine, part.T_camera_part, scene.lens);
   part.top_mm = -std::numeric_limits<double>::max();
   for (const result::VisiblePoint& point : drawing_.visible()) {
     const double height = scene.belt ? scene.belt->height_mm(point.point_mm.cast<double>()) : -point.point_mm.z();

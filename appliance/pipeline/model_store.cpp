@@ -1,10 +1,12 @@
 #include "pipeline/model_store.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "base/random.hpp"
 #include "contract/result_codes.hpp"
 #include "pipeline/plan_search.hpp"
+#include "pipeline/thin_surface.hpp"
 #include "result/grasp_choice.hpp"
 #include "search/views.hpp"
 
@@ -13,6 +15,8 @@ namespace {
 
 // Blocks of points of a first impression: enough that one fifth of a part seen gives a hundred.
 constexpr std::size_t kScattered = 16;
+// So many spacings apart lie the points of the coarse surface: about a quarter of all.
+constexpr float kThinning = 1.6F;
 // Measured points farther away than this share of the part's size are no part of it; nor need the grid reach farther.
 constexpr double kMarginShare = 0.07;
 
@@ -22,6 +26,19 @@ void scatter(std::span<const OrientedPoint> surface, std::span<PointBlock> scatt
     for (int i = 0; i < PointBlock::kSize; ++i)
       block.put(surface[random.below(static_cast<std::uint32_t>(surface.size()))], i);
   }
+}
+
+SurfaceBlocks block_up(std::span<const OrientedPoint> surface, float spacing_mm, std::span<PointBlock> blocks) {
+  const auto used = blocks.first(PointBlock::blocks_for(surface.size()));
+  for (std::size_t i = 0; i < used.size(); ++i) used[i].load(surface.subspan(i * PointBlock::kSize));
+  return {used, surface.size(), spacing_mm, 1.0F};
+}
+
+SurfaceBlocks thin_out(std::span<const OrientedPoint> surface, const SurfaceBlocks& fine,
+                       std::span<PointBlock> blocks) {
+  const std::size_t count = thin_surface(surface, kThinning * fine.spacing_mm, blocks);
+  const float stands_for = static_cast<float>(surface.size()) / static_cast<float>(count);
+  return {blocks.first(PointBlock::blocks_for(count)), count, std::sqrt(stands_for) * fine.spacing_mm, stands_for};
 }
 
 void copy_symmetry(const Symmetry& symmetry, PartModel& model) {
@@ -43,6 +60,8 @@ ModelStore::ModelStore(Arena& arena, const Limits& limits) : limits_(limits) {
   for (std::size_t i = 0; i < slots; ++i) {
     const Slot slot{
         arena.take<OrientedPoint>("templates: surface points", static_cast<std::size_t>(limits.template_points)),
+        arena.take<PointBlock>("templates: surface points",
+                               PointBlock::blocks_for(static_cast<std::size_t>(limits.template_points))),
         arena.take<PointBlock>("templates: surface points",
                                PointBlock::blocks_for(static_cast<std::size_t>(limits.template_points))),
         arena.take<PointBlock>("templates: surface points", kScattered),
@@ -111,9 +130,8 @@ void ModelStore::fill(const PartTemplate& part, const GripperShape& gripper, Slo
   for (std::size_t i = 0; i < points; ++i) slot.surface[i] = {part.point_mm[i], part.normal[i]};
   model.surface = slot.surface.first(points);
   scatter(model.surface, slot.scattered);
-  model.blocks = slot.blocks.first(PointBlock::blocks_for(points));
-  for (std::size_t i = 0; i < model.blocks.size(); ++i)
-    slot.blocks[i].load(model.surface.subspan(i * PointBlock::kSize));
+  model.fine = block_up(model.surface, static_cast<float>(part.spacing_mm), slot.fine);
+  model.coarse = thin_out(model.surface, model.fine, slot.coarse);
   model.scattered = slot.scattered;
   model.spacing_mm = static_cast<float>(part.spacing_mm);
   model.box_min_mm = part.box_min_mm;

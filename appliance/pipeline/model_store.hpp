@@ -36,7 +36,8 @@ class ModelStore {
  private:
   struct Slot {
     std::span<OrientedPoint> surface;
-    std::span<PointBlock> blocks;
+    std::span<PointBlock> fine;
+    std::span<PointBlock> coarse;
     std::span<PointBlock> scattered;
     std::span<std::uint16_t> grid;
   };

@@ -12,7 +12,6 @@
 namespace beltpick::pipeline {
 namespace {
 
-constexpr std::size_t kFinalSample = 2500;
 constexpr std::size_t kOutlinePairs = 4096;
 // Which step ends the last alignment, as a share of how far it looks.
 constexpr double kSettled = 1e-3;
@@ -249,7 +248,7 @@ void PoseFinder::weigh_shortlist(const Context& context, Effort route) {
     if (candidate.impression < best && !impresses(candidate, best)) continue;
     Candidate& kept = candidates_[static_cast<std::size_t>(candidate_count_++)];
     kept = candidate;
-    weigh(context, kept);
+    weigh(context, kept, Detail::kCoarse);
     if (trace_ != nullptr) trace_->weighed(kept);
   }
 }
@@ -293,20 +292,22 @@ void PoseFinder::align_fully(const Context& context, Candidate& candidate) {
       icp::align(sample(), model, candidate.alignment.T_camera_part, stages, icp::Noise{context.scene.noise_mm});
 }
 
-// Unless it is what was drawn last.
-void PoseFinder::draw(const Context& context, const Candidate& candidate) {
+// Unless it is what was drawn last. Returns which of the model's surfaces.
+const SurfaceBlocks& PoseFinder::draw(const Context& context, const Candidate& candidate, Detail detail) {
+  const PartModel& model = context.models[static_cast<std::size_t>(candidate.model_index)];
+  const SurfaceBlocks& surface = detail == Detail::kFine ? model.fine : model.coarse;
   const result::PartPose& pose = candidate.alignment.T_camera_part;
-  if (drawn_ && drawn_->model_index == candidate.model_index && drawn_->T_camera_part.rotation == pose.rotation &&
-      drawn_->T_camera_part.translation_mm == pose.translation_mm) {
-    return;
+  if (!drawn_ || drawn_->model_index != candidate.model_index || drawn_->detail != detail ||
+      drawn_->T_camera_part.rotation != pose.rotation || drawn_->T_camera_part.translation_mm != pose.translation_mm) {
+    drawing_.draw(surface, pose, context.scene.lens);
+    drawn_ = {candidate.model_index, detail, pose};
   }
-  drawing_.draw(context.models[static_cast<std::size_t>(candidate.model_index)], pose, context.scene.lens);
-  drawn_ = {candidate.model_index, pose};
+  return surface;
 }
 
-void PoseFinder::weigh(const Context& context, Candidate& candidate) {
+void PoseFinder::weigh(const Context& context, Candidate& candidate, Detail detail) {
   const PartModel& model = context.models[static_cast<std::size_t>(candidate.model_index)];
-  draw(context, candidate);
+  draw(context, candidate, detail);
   candidate.evidence =
       result::weigh(drawing_, model, candidate.alignment.T_camera_part, context.scene,
                     {context.owner, {context.object.labels, static_cast<std::size_t>(context.object.label_count)}});
@@ -316,16 +317,16 @@ void PoseFinder::weigh(const Context& context, Candidate& candidate) {
 
 // The last alignment uses everything measured where the part is in sight, whatever segment it fell into: first what
 // lies a little off, then closely. Returns whether enough was measured there.
-bool PoseFinder::align_in_sight(const Context& context, Candidate& candidate, double tolerances, std::size_t sample) {
+bool PoseFinder::align_in_sight(const Context& context, Candidate& candidate, const Look& look) {
   const PartModel& model = context.models[static_cast<std::size_t>(candidate.model_index)];
-  const double radius_mm = tolerances * result::surface_tolerance_mm(context.scene, model.spacing_mm);
-  draw(context, candidate);
+  const double radius_mm = look.tolerances * result::surface_tolerance_mm(context.scene, model.spacing_mm);
+  const SurfaceBlocks& drawn = draw(context, candidate, look.detail);
   const std::size_t count =
-      sample_at_pose(context.scene.range, context.scene.labels, drawing_, radius_mm, sample, pose_sample_);
+      sample_at_pose(context.scene.range, context.scene.labels, drawing_, radius_mm, look.sample, pose_sample_);
   pose_sample_count_ = count;
   if (count < kLeastSample) return false;
   const std::size_t pairs =
-      pair_outline(drawing_, candidate.alignment.T_camera_part, context.scene, model.spacing_mm, 2.0 * radius_mm + 1.0,
+      pair_outline(drawing_, candidate.alignment.T_camera_part, context.scene, drawn.spacing_mm, 2.0 * radius_mm + 1.0,
                    result::free_space_tolerance_mm(context.scene, model.spacing_mm), outline_);
   const std::array<icp::Stage, 1> stage{icp::Stage{radius_mm, 12, 0.85F, 0.0F, kSettled}};
   candidate.alignment = icp::align(pose_sample_.first(count), model, candidate.alignment.T_camera_part, stage,
@@ -334,13 +335,13 @@ bool PoseFinder::align_in_sight(const Context& context, Candidate& candidate, do
 }
 
 void PoseFinder::finish(const Context& context, Candidate& candidate) {
-  if (align_in_sight(context, candidate, kOff, kAlignSample)) finish_closely(context, candidate);
+  if (align_in_sight(context, candidate, kOff)) finish_closely(context, candidate);
 }
 
 void PoseFinder::finish_closely(const Context& context, Candidate& candidate) {
-  if (!align_in_sight(context, candidate, kClose, kFinalSample)) return;
+  if (!align_in_sight(context, candidate, kClose)) return;
   const PartModel& model = context.models[static_cast<std::size_t>(candidate.model_index)];
-  weigh(context, candidate);
+  weigh(context, candidate, Detail::kFine);
   candidate.evidence.blemishes = blemishes_.find(drawing_, context.scene, model.spacing_mm);
   candidate.finished = true;
 }

@@ -25,6 +25,8 @@ namespace beltpick::pipeline {
 inline constexpr std::size_t kSearchSample = 100;
 // Points of it that poses are aligned with before they are nearly right: the paper's, too.
 inline constexpr std::size_t kAlignSample = 1000;
+// And when they are.
+inline constexpr std::size_t kFinalSample = 2500;
 
 class PoseFinder {
  public:
@@ -53,9 +55,17 @@ class PoseFinder {
     std::uint64_t seed;
   };
 
-  // How far the last alignment looks, first and then, in tolerances of the surface.
-  static constexpr double kOff = 3.0;
-  static constexpr double kClose = 1.5;
+  // How a part is drawn: roughly to choose among poses, in full where a pose is to be believed.
+  enum class Detail : std::uint8_t { kCoarse, kFine };
+
+  // How the last alignment looks at a part in sight.
+  struct Look {
+    double tolerances;   // how far, in tolerances of the surface
+    std::size_t sample;  // at most so many points
+    Detail detail;
+  };
+  static constexpr Look kOff{3.0, kAlignSample, Detail::kCoarse};   // first,
+  static constexpr Look kClose{1.5, kFinalSample, Detail::kFine};  // and then
 
   // What a challenger must show beside the champion to be worth more work.
   struct Gate {
@@ -80,12 +90,12 @@ class PoseFinder {
   [[nodiscard]] double best_impression() const;
   [[nodiscard]] static result::Impression impression(const Context& context, const Candidate& candidate);
   void align_fully(const Context& context, Candidate& candidate);
-  void draw(const Context& context, const Candidate& candidate);
-  void weigh(const Context& context, Candidate& candidate);
+  const SurfaceBlocks& draw(const Context& context, const Candidate& candidate, Detail detail);
+  void weigh(const Context& context, Candidate& candidate, Detail detail);
   void finish(const Context& context, Candidate& candidate);
   bool finish_challenger(const Context& context, const Candidate& champion, Candidate& other);
   void finish_closely(const Context& context, Candidate& candidate);
-  bool align_in_sight(const Context& context, Candidate& candidate, double tolerances, std::size_t sample);
+  bool align_in_sight(const Context& context, Candidate& candidate, const Look& look);
   [[nodiscard]] static bool far_behind(const Context& context, const Candidate& other, const Candidate& champion,
                                        const Gate& gate);
   Attempt decide(const Context& context);
@@ -116,6 +126,7 @@ class PoseFinder {
   primitives::Finder finder_;
   struct Drawn {
     int model_index;
+    Detail detail;
     result::PartPose T_camera_part;
   };
   result::Drawing drawing_;

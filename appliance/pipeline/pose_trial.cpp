@@ -228,7 +228,7 @@ bool PoseFinder::far_behind(const Context& context, const Candidate& other, cons
 // Finishes a pose that was aligned, unless it falls too far behind on the way. Returns whether it was finished.
 bool PoseFinder::finish_challenger(const Context& context, const Candidate& champion, Candidate& other) {
   if (far_behind(context, other, champion, kAligned)) return false;
-  if (!align_in_sight(context, other, kOff, kAlignSample) || far_behind(context, other, champion, kInSight))
+  if (!align_in_sight(context, other, kOff) || far_behind(context, other, champion, kInSight))
     return false;
   finish_closely(context, other);
   return true;
@@ -318,7 +318,7 @@ bool PoseFinder::beats_mirror_image(const Context& context, const Candidate& cha
 Result<void> PoseFinder::outline_agrees(const Context& context, const Candidate& champion) {
   const PartModel& model = context.models[static_cast<std::size_t>(champion.model_index)];
   const result::PartPose& pose = champion.alignment.T_camera_part;
-  draw(context, champion);
+  draw(context, champion, Detail::kFine);
   const double reach_mm =
       kAskedReaches * result::surface_tolerance_mm(context.scene, model.spacing_mm) + kAskedBeyond_mm;
   const std::size_t ends =

@@ -31,28 +31,29 @@ Drawing::Drawing(Arena& arena, const Limits& limits)
           Phase::kLocate, "verify: depth buffer",
           static_cast<std::size_t>(limits.image_width) * static_cast<std::size_t>(limits.image_height) / 4)) {}
 
-void Drawing::draw(const PartModel& model, const PartPose& T_camera_part, const Lens& lens) {
-  project_front(model, T_camera_part, lens);
+void Drawing::draw(const SurfaceBlocks& surface, const PartPose& T_camera_part, const Lens& lens) {
+  project_front(surface, T_camera_part, lens);
+  stands_for_ = surface.stands_for;
   visible_count_ = 0;
   depth_ = {};
   if (front_count_ == 0) return;
-  lay_out(model, lens);
-  splat(model.spacing_mm, lens);
+  lay_out(static_cast<double>(surface.spacing_mm), lens);
+  splat(static_cast<double>(surface.spacing_mm), lens);
   read_nearest();
   keep_visible(lens);
 }
 
-void Drawing::project_front(const PartModel& model, const PartPose& T_camera_part, const Lens& lens) {
+void Drawing::project_front(const SurfaceBlocks& surface, const PartPose& T_camera_part, const Lens& lens) {
   const FastMotion motion(T_camera_part);
   const Optics optics(lens);
   front_count_ = 0;
   PointBlock at;
   Seen seen;
-  for (std::size_t block = 0; block < model.blocks.size(); ++block) {
+  for (std::size_t block = 0; block < surface.blocks.size(); ++block) {
     const auto count =
-        static_cast<int>(std::min<std::size_t>(PointBlock::kSize, model.surface.size() - block * PointBlock::kSize));
-    move_points(model.blocks[block], motion, count, at);
-    look_at(at, optics, model.spacing_mm, count, seen);
+        static_cast<int>(std::min<std::size_t>(PointBlock::kSize, surface.count - block * PointBlock::kSize));
+    move_points(surface.blocks[block], motion, count, at);
+    look_at(at, optics, surface.spacing_mm, count, seen);
     for (std::size_t k = 0; k < static_cast<std::size_t>(count); ++k) {
       if (seen.facing[k] == 0) continue;
       front_[front_count_++] = {{at.x[k], at.y[k], at.z[k]},
@@ -65,7 +66,7 @@ void Drawing::project_front(const PartModel& model, const PartPose& T_camera_par
   }
 }
 
-void Drawing::lay_out(const PartModel& model, const Lens& lens) {
+void Drawing::lay_out(double spacing_mm, const Lens& lens) {
   const auto front = front_.first(front_count_);
   float min_column = 1e9F, max_column = -1e9F, min_row = 1e9F, max_row = -1e9F, min_depth = 1e9F;
   for (const Projected& p : front) {
@@ -76,7 +77,7 @@ void Drawing::lay_out(const PartModel& model, const Lens& lens) {
     min_depth = std::min(min_depth, p.point_mm.z());
   }
   // A cell about as wide as the points lie apart where they are nearest.
-  const double spacing_px = model.spacing_mm * std::max(lens.fx_px, lens.fy_px) / static_cast<double>(min_depth);
+  const double spacing_px = spacing_mm * std::max(lens.fx_px, lens.fy_px) / static_cast<double>(min_depth);
   factor_ = std::clamp(static_cast<int>(std::lround(spacing_px)), 1, 64);
   for (;; ++factor_) {
     const int margin = 2 * factor_;
@@ -140,7 +141,7 @@ void Drawing::keep_visible(const Lens& lens) {
     const bool in_image = p.column_px >= 0.0F && p.row_px >= 0.0F &&
                           p.column_px <= static_cast<float>(lens.width - 1) &&
                           p.row_px <= static_cast<float>(lens.height - 1);
-    visible_[visible_count_++] = {p.point_mm, p.normal, p.column_px, p.row_px, p.cosine, in_image};
+    visible_[visible_count_++] = {p.point_mm, p.normal, p.column_px, p.row_px, stands_for_ * p.cosine, in_image};
   }
 }
 

@@ -17,7 +17,7 @@ struct VisiblePoint {
   Vec3f point_mm;           // camera frame
   Vec3f normal;             // camera frame
   float column_px, row_px;  // where it appears; may lie outside the image
-  float area;               // across the line of sight, relative to a point seen straight on
+  float area;               // across the line of sight, relative to a point of the template seen straight on
   bool in_image;
 };
 
@@ -25,9 +25,9 @@ class Drawing {
  public:
   Drawing(Arena& arena, const Limits& limits);
 
-  // Draws the part. A surface that leans away by more than about 78 degrees counts as out of sight: it is rarely
+  // Draws a part by its fine or its coarse surface. A surface that leans away by more than about 78 degrees counts as out of sight: it is rarely
   // measured.
-  void draw(const PartModel& model, const PartPose& T_camera_part, const Lens& lens);
+  void draw(const SurfaceBlocks& surface, const PartPose& T_camera_part, const Lens& lens);
 
   [[nodiscard]] std::span<const VisiblePoint> visible() const { return visible_.first(visible_count_); }
 
@@ -46,6 +46,8 @@ class Drawing {
   }
 
   [[nodiscard]] int factor() const { return factor_; }
+  // Points of the template, each of those drawn.
+  [[nodiscard]] float stands_for() const { return stands_for_; }
   [[nodiscard]] int row_px() const { return row_px_; }
   [[nodiscard]] int column_px() const { return column_px_; }
   [[nodiscard]] Region region() const {
@@ -60,8 +62,8 @@ class Drawing {
     float cosine;
     float own_mm;  // by so much the surface changes its own depth within a cell and a splat
   };
-  void project_front(const PartModel& model, const PartPose& T_camera_part, const Lens& lens);
-  void lay_out(const PartModel& model, const Lens& lens);
+  void project_front(const SurfaceBlocks& surface, const PartPose& T_camera_part, const Lens& lens);
+  void lay_out(double spacing_mm, const Lens& lens);
   void splat(double spacing_mm, const Lens& lens);
   void read_nearest();
   void keep_visible(const Lens& lens);
@@ -76,6 +78,7 @@ class Drawing {
   ImageView<float> depth_;
   ImageView<std::uint16_t> index_;  // into front_
   int factor_ = 4, row_px_ = 0, column_px_ = 0;
+  float stands_for_ = 1.0F;
 };
 
 }  // namespace beltpick::result

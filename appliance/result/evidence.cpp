@@ -157,6 +157,7 @@ Evidence weigh(const Drawing& drawing, const PartModel& model, const PartPose& T
   Evidence evidence;
   double total = 0.0, inside = 0.0, matched = 0.0, violated = 0.0, occluded = 0.0, contradicted = 0.0, shadowed = 0.0,
          unexplained = 0.0, missing = 0.0, square_mm2 = 0.0;
+  int points = 0;
   std::optional<Vec3f> light_mm;
   if (scene.light_mm) light_mm = scene.light_mm->cast<float>();
   const OwnShadow own(model, T_camera_part, light_mm);
@@ -165,7 +166,7 @@ Evidence weigh(const Drawing& drawing, const PartModel& model, const PartPose& T
     total += point.area;
     if (!point.in_image) continue;
     inside += point.area;
-    ++evidence.points;
+    ++points;
     Finding finding = lookup.look(point, square_mm2);
     if (finding == Finding::kMissing &&
         (in_shadow(scene, point.point_mm, point.normal, tolerance) || own.hides(point.point_mm, point.normal))) {
@@ -195,6 +196,7 @@ Evidence weigh(const Drawing& drawing, const PartModel& model, const PartPose& T
     }
   }
   const double judged = inside - occluded - shadowed;
+  evidence.points = static_cast<int>(static_cast<float>(points) * drawing.stands_for());
   evidence.in_view = share(inside, total);
   evidence.matched = matched;
   evidence.support = share(matched, total);

@@ -29,7 +29,7 @@ struct Evidence {
       0.0;  // of what the camera could see of the part, what is missing for no known reason; 0 without a light
   double sunk = 0.0;    // of the part's whole surface, what would lie under the belt
   double rms_mm = 0.0;  // of the measured points to the surface, where they support the pose
-  int points = 0;       // in sight and inside the image
+  int points = 0;       // of the template, in sight and inside the image
   Blemishes blemishes;  // looked for only when a pose is finished
 };
 

@@ -90,7 +90,7 @@ std::vector<Looked> StoryRecorder::look_up(const pipeline::Candidate& champion) 
   const PartModel& model = models_[static_cast<std::size_t>(champion.model_index)];
   const pipeline::Object& object = searches_.back().object;
   Collector collector;
-  drawing_.draw(model, champion.alignment.T_camera_part, scene_->lens);
+  drawing_.draw(model.fine, champion.alignment.T_camera_part, scene_->lens);
   result::weigh(drawing_, model, champion.alignment.T_camera_part, *scene_,
                 {owner_, {object.labels, static_cast<std::size_t>(object.label_count)}}, &collector);
   return std::move(collector.looked);

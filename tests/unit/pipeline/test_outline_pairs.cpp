@@ -44,7 +44,7 @@ struct Lit {
     result::Scene scene{image.range(), image.labels(), image.lens, image.belt};
     if (light_known) scene.light_mm = scene_light_mm();
     if (light_known) scene.shadows = &shadows.made;
-    drawing.made.draw(loaded.model(), pose, image.lens);
+    drawing.made.draw(loaded.model().fine, pose, image.lens);
     const std::size_t count = pipeline::pair_outline(drawing.made, pose, scene, loaded.model().spacing_mm, kReach_mm,
                                                      kStep_mm, pairs, borders);
     std::vector<double> beyond;

@@ -50,7 +50,7 @@ struct Judge {
     SceneImage image = render({{&lying, pose}});
     shadows.made.cast(image.range(), scene_light_mm(), image.belt);
     const result::Scene scene{image.range(), image.labels(), image.lens, image.belt, scene_light_mm(), &shadows.made};
-    drawing.made.draw(model, pose, image.lens);
+    drawing.made.draw(model.fine, pose, image.lens);
     static constexpr std::array<std::uint16_t, 1> kLabel{1};
     auto evidence = result::weigh(drawing.made, model, pose, scene, {image.labels(), kLabel});
     evidence.blemishes = blemishes.made.find(drawing.made, scene, model.spacing_mm);

@@ -54,7 +54,7 @@ TEST_CASE("what the light did not reach is hidden from it, and what was measured
 TEST_CASE("a part in a shadow is judged by what the light reached") {
   Shaded scene;
   InArena<result::Drawing> drawing(test_limits());
-  drawing.made.draw(scene.loaded.model(), scene.truth, scene.image.lens);
+  drawing.made.draw(scene.loaded.model().fine, scene.truth, scene.image.lens);
   result::Scene seen{scene.image.range(), scene.image.labels(), scene.image.lens, scene.image.belt, scene_light_mm()};
   const auto ignorant = result::weigh(drawing.made, scene.loaded.model(), scene.truth, seen);
   scene.shadows.made.cast(scene.image.range(), scene_light_mm(), scene.image.belt);
@@ -110,7 +110,7 @@ TEST_CASE("a part's own shadow, and places that are only just measured, are no e
   for (const double gap_share : {0.0, 0.6}) {
     INFO(gap_share);
     SceneImage image = render({{&shape, truth}}, {.gap_share = gap_share});
-    drawing.made.draw(loaded.model(), truth, image.lens);
+    drawing.made.draw(loaded.model().fine, truth, image.lens);
     const auto evidence = result::weigh(drawing.made, loaded.model(), truth,
                                         {image.range(), image.labels(), image.lens, image.belt, scene_light_mm()});
     CHECK(evidence.gaps < 0.15);

@@ -40,7 +40,7 @@ struct Bench {
     return scene;
   }
   result::Evidence evidence(const result::PartPose& pose) {
-    drawing.made.draw(loaded.model(), pose, image.lens);
+    drawing.made.draw(loaded.model().fine, pose, image.lens);
     static constexpr std::array<std::uint16_t, 1> kLabel{1};
     return result::weigh(drawing.made, loaded.model(), pose, scene(), {image.labels(), kLabel});
   }
@@ -112,7 +112,7 @@ TEST_CASE("a mirrored part is not taken for the part") {
   for (const double angle : {0.0, kPi}) {
     const Mat3 turn = Eigen::AngleAxisd(angle, Vec3::UnitZ()).toRotationMatrix();
     const result::PartPose pose = bench.truth * Pose<frame::Part, frame::Part>{turn, Vec3::Zero()};
-    bench.drawing.made.draw(loaded.model(), pose, bench.image.lens);
+    bench.drawing.made.draw(loaded.model().fine, pose, bench.image.lens);
     const std::array<std::uint16_t, 1> label{1};
     const auto e =
         result::weigh(bench.drawing.made, loaded.model(), pose, bench.scene(), {bench.image.labels(), label});
@@ -125,7 +125,7 @@ TEST_CASE("a face that fits inside a larger object is not the part") {
   const LoadedPart small(block());
   // The block's top in the plate's top.
   const result::PartPose pose = bench.truth * Pose<frame::Part, frame::Part>{Mat3::Identity(), {0.0, 0.0, 6.0 - 15.0}};
-  bench.drawing.made.draw(small.model(), pose, bench.image.lens);
+  bench.drawing.made.draw(small.model().fine, pose, bench.image.lens);
   result::Scene scene = bench.scene();
   scene.belt.reset();
   const auto e = result::weigh(bench.drawing.made, small.model(), pose, scene);
@@ -144,11 +144,11 @@ TEST_CASE("that a part's edges are rounded off does not hide that the object goe
   };
   const LoadedPart small(rounded);
   const result::PartPose pose = bench.truth * Pose<frame::Part, frame::Part>{Mat3::Identity(), {0.0, 0.0, 6.0 - 15.0}};
-  bench.drawing.made.draw(small.model(), pose, bench.image.lens);
+  bench.drawing.made.draw(small.model().fine, pose, bench.image.lens);
   CHECK(result::continued_outline(bench.drawing.made, small.model(), pose, bench.scene(), 0.6) > 0.8);
 
   Bench itself(rounded);
-  itself.drawing.made.draw(small.model(), itself.truth, itself.image.lens);
+  itself.drawing.made.draw(small.model().fine, itself.truth, itself.image.lens);
   CHECK(result::continued_outline(itself.drawing.made, small.model(), itself.truth, itself.scene(), 0.6) < 0.05);
 }
 
