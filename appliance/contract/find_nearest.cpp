@@ -51,9 +51,10 @@ void find_nearest(const PartModel& model, const PointBlock& at_part, int count, 
   } else {
     alignas(64) std::array<int, PointBlock::kSize> cell;
     find_cells(at_part, Cells(model.grid), static_cast<std::size_t>(PointBlock::whole_steps(count)), cell.data());
-    for (int i = 0; i < count; ++i) {
-      nearest.put(model.surface[model.grid.at_cell(cell[static_cast<std::size_t>(i)])], i);
-    }
+    // All indices first: they come from far memory, and so they are waited for together.
+    std::array<std::uint16_t, PointBlock::kSize> index;
+    for (std::size_t k = 0; k < static_cast<std::size_t>(count); ++k) index[k] = model.grid.at_cell(cell[k]);
+    for (int i = 0; i < count; ++i) nearest.put(model.surface[index[static_cast<std::size_t>(i)]], i);
   }
   nearest.fill_up(count);
 }
