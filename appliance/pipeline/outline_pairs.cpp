@@ -82,9 +82,24 @@ class OutlineWalk {
     return (in_image - sight * sight.dot(in_image)).normalized();
   }
 
+  struct Pixel {
+    int row, col;
+  };
+
+  // The pixel so many pixels out from the edge.
+  [[nodiscard]] static Pixel pixel_at(const result::Drawing::Shown& edge, const Eigen::Vector2f& out, int px) {
+    return {static_cast<int>(std::lround(edge.row_px + static_cast<float>(px) * out.y())),
+            static_cast<int>(std::lround(edge.column_px + static_cast<float>(px) * out.x()))};
+  }
+
+  // How far out from the edge that pixel's middle lies.
+  [[nodiscard]] static float out_px(const result::Drawing::Shown& edge, const Eigen::Vector2f& out, int px) {
+    const auto [row, col] = pixel_at(edge, out, px);
+    return (static_cast<float>(col) - edge.column_px) * out.x() + (static_cast<float>(row) - edge.row_px) * out.y();
+  }
+
   [[nodiscard]] Sight look(const result::Drawing::Shown& edge, const Eigen::Vector2f& out, int px) const {
-    const int col = static_cast<int>(std::lround(edge.column_px + static_cast<float>(px) * out.x()));
-    const int row = static_cast<int>(std::lround(edge.row_px + static_cast<float>(px) * out.y()));
+    const auto [row, col] = pixel_at(edge, out, px);
     if (!scene_.range.point_mm.contains(row, col)) return Sight::kUnlit;
     if (!scene_.range.valid(row, col)) return lit(edge, out, px) ? Sight::kNothing : Sight::kUnlit;
     if (scene_.labels(row, col) == 0) return Sight::kBehind;
@@ -119,7 +134,8 @@ class OutlineWalk {
     return true;
   }
 
-  // How many pixels beyond the drawn edge the object ends, to half a pixel.
+  // How many pixels beyond the drawn edge the object ends: half way between the middles of its last pixel and the next,
+  // wherever between pixels the edge was drawn.
   [[nodiscard]] std::optional<float> end_of_object(const result::Drawing::Shown& edge, const Eigen::Vector2f& out,
                                                    int reach_px) const {
     int inside = 0;
@@ -130,7 +146,7 @@ class OutlineWalk {
         ++inside;
         continue;
       }
-      if (inside >= kRunInside && ends_at(edge, out, px)) return static_cast<float>(px) - 0.5F;
+      if (inside >= kRunInside && ends_at(edge, out, px)) return 0.5F * (out_px(edge, out, px - 1) + out_px(edge, out, px));
       if (here == Sight::kBehind) inside = 0;
     }
     return {};

@@ -292,17 +292,16 @@ void PoseFinder::align_fully(const Context& context, Candidate& candidate) {
       icp::align(sample(), model, candidate.alignment.T_camera_part, stages, icp::Noise{context.scene.noise_mm});
 }
 
-// Unless it is what was drawn last. Returns which of the model's surfaces.
-const SurfaceBlocks& PoseFinder::draw(const Context& context, const Candidate& candidate, Detail detail) {
+// Unless it is what was drawn last.
+void PoseFinder::draw(const Context& context, const Candidate& candidate, Detail detail) {
   const PartModel& model = context.models[static_cast<std::size_t>(candidate.model_index)];
-  const SurfaceBlocks& surface = detail == Detail::kFine ? model.fine : model.coarse;
   const result::PartPose& pose = candidate.alignment.T_camera_part;
-  if (!drawn_ || drawn_->model_index != candidate.model_index || drawn_->detail != detail ||
-      drawn_->T_camera_part.rotation != pose.rotation || drawn_->T_camera_part.translation_mm != pose.translation_mm) {
-    drawing_.draw(surface, pose, context.scene.lens);
-    drawn_ = {candidate.model_index, detail, pose};
+  if (drawn_ && drawn_->model_index == candidate.model_index && drawn_->detail == detail &&
+      drawn_->T_camera_part.rotation == pose.rotation && drawn_->T_camera_part.translation_mm == pose.translation_mm) {
+    return;
   }
-  return surface;
+  drawing_.draw(detail == Detail::kFine ? model.fine : model.coarse, pose, context.scene.lens);
+  drawn_ = {candidate.model_index, detail, pose};
 }
 
 void PoseFinder::weigh(const Context& context, Candidate& candidate, Detail detail) {
@@ -320,13 +319,13 @@ void PoseFinder::weigh(const Context& context, Candidate& candidate, Detail deta
 bool PoseFinder::align_in_sight(const Context& context, Candidate& candidate, const Look& look) {
   const PartModel& model = context.models[static_cast<std::size_t>(candidate.model_index)];
   const double radius_mm = look.tolerances * result::surface_tolerance_mm(context.scene, model.spacing_mm);
-  const SurfaceBlocks& drawn = draw(context, candidate, look.detail);
+  draw(context, candidate, look.detail);
   const std::size_t count =
       sample_at_pose(context.scene.range, context.scene.labels, drawing_, radius_mm, look.sample, pose_sample_);
   pose_sample_count_ = count;
   if (count < kLeastSample) return false;
   const std::size_t pairs =
-      pair_outline(drawing_, candidate.alignment.T_camera_part, context.scene, drawn.spacing_mm, 2.0 * radius_mm + 1.0,
+      pair_outline(drawing_, candidate.alignment.T_camera_part, context.scene, model.spacing_mm, 2.0 * radius_mm + 1.0,
                    result::free_space_tolerance_mm(context.scene, model.spacing_mm), outline_);
   const std::array<icp::Stage, 1> stage{icp::Stage{radius_mm, 12, 0.85F, 0.0F, kSettled}};
   candidate.alignment = icp::align(pose_sample_.first(count), model, candidate.alignment.T_camera_part, stage,

@@ -90,7 +90,7 @@ class PoseFinder {
   [[nodiscard]] double best_impression() const;
   [[nodiscard]] static result::Impression impression(const Context& context, const Candidate& candidate);
   void align_fully(const Context& context, Candidate& candidate);
-  const SurfaceBlocks& draw(const Context& context, const Candidate& candidate, Detail detail);
+  void draw(const Context& context, const Candidate& candidate, Detail detail);
   void weigh(const Context& context, Candidate& candidate, Detail detail);
   void finish(const Context& context, Candidate& candidate);
   bool finish_challenger(const Context& context, const Candidate& champion, Candidate& other);

@@ -85,3 +85,18 @@ TEST_CASE("the ends of a shadow that something casts on the object are not certa
   CHECK(share_off(any, 1.5) > 0.9);
   CHECK(certain.size() < 5);
 }
+
+TEST_CASE("where an object ends does not depend on where between two pixels its edge is drawn", "[outline]") {
+  Lit scene(false);
+  const auto middle_mm = [&](double shift_mm) {
+    result::PartPose shifted = scene.truth;
+    shifted.translation_mm.x() += shift_mm;
+    const auto ends = scene.beyond_mm(shifted, Borders::kAny, Vec3::UnitX());
+    REQUIRE(ends.size() > 10);
+    return ends[ends.size() / 2] + shift_mm;
+  };
+  const double at_truth = middle_mm(0.0);
+  CHECK(at_truth == Approx(0.0).margin(0.3));
+  for (const double shift_mm : {-0.4, -0.3, -0.2, -0.1, 0.1, 0.2, 0.3, 0.4})
+    CHECK(middle_mm(shift_mm) == Approx(at_truth).margin(0.25));
+}
