@@ -6,6 +6,7 @@
 #include "base/random.hpp"
 #include "contract/result_codes.hpp"
 #include "pipeline/plan_search.hpp"
+#include "pipeline/spatial_order.hpp"
 #include "pipeline/thin_surface.hpp"
 #include "result/grasp_choice.hpp"
 #include "search/views.hpp"
@@ -127,7 +128,8 @@ void ModelStore::index_surface(Slot& slot, std::unique_ptr<ClosestPointTree>& tr
 
 void ModelStore::fill(const PartTemplate& part, const GripperShape& gripper, Slot& slot, PartModel& model) const {
   const std::size_t points = part.point_mm.size();
-  for (std::size_t i = 0; i < points; ++i) slot.surface[i] = {part.point_mm[i], part.normal[i]};
+  const std::vector<std::uint32_t> order = spatial_order(part.point_mm);
+  for (std::size_t i = 0; i < points; ++i) slot.surface[i] = {part.point_mm[order[i]], part.normal[order[i]]};
   model.surface = slot.surface.first(points);
   scatter(model.surface, slot.scattered);
   model.fine = block_up(model.surface, static_cast<float>(part.spacing_mm), slot.fine);

@@ -132,10 +132,11 @@ std::size_t sample_at_pose(const RangeImage& range, ImageView<const std::uint16_
                            std::span<OrientedPoint> out) {
   wanted = std::min(wanted, out.size());
   const auto visible = drawing.visible();
-  const std::size_t stride = std::max<std::size_t>(1, visible.size() / std::max<std::size_t>(1, wanted));
+  // Evenly from all of them: they come in the order in which they lie on the part.
+  const std::size_t asked = std::min(visible.size(), wanted);
   std::size_t count = 0;
-  for (std::size_t i = 0; i < visible.size() && count < wanted; i += stride) {
-    const result::VisiblePoint& expected = visible[i];
+  for (std::size_t i = 0; i < asked; ++i) {
+    const result::VisiblePoint& expected = visible[i * visible.size() / asked];
     if (!expected.in_image) continue;
     const int row = static_cast<int>(std::lround(expected.row_px));
     const int col = static_cast<int>(std::lround(expected.column_px));

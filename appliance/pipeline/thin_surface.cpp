@@ -3,7 +3,11 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <numeric>
+#include <utility>
 #include <vector>
+
+#include "base/random.hpp"
 
 namespace beltpick::pipeline {
 namespace {
@@ -59,14 +63,29 @@ class Kept {
   std::vector<std::uint32_t> next_;   // of the same bucket as each point
 };
 
+std::vector<bool> choose(std::span<const OrientedPoint> surface, float apart_mm) {
+  std::vector<std::uint32_t> order(surface.size());
+  std::iota(order.begin(), order.end(), 0U);
+  Random random(1);
+  for (std::size_t i = order.size(); i > 1; --i)
+    std::swap(order[i - 1], order[random.below(static_cast<std::uint32_t>(i))]);
+  Kept kept(surface, apart_mm);
+  std::vector<bool> chosen(surface.size(), false);
+  for (const std::uint32_t index : order) {
+    if (kept.any_near(surface[index])) continue;
+    kept.add(index);
+    chosen[index] = true;
+  }
+  return chosen;
+}
+
 }  // namespace
 
 std::size_t thin_surface(std::span<const OrientedPoint> surface, float apart_mm, std::span<PointBlock> out) {
-  Kept kept(surface, apart_mm);
+  const std::vector<bool> kept = choose(surface, apart_mm);
   std::size_t count = 0;
   for (std::size_t i = 0; i < surface.size() && count < out.size() * PointBlock::kSize; ++i) {
-    if (kept.any_near(surface[i])) continue;
-    kept.add(static_cast<std::uint32_t>(i));
+    if (!kept[i]) continue;
     out[count / PointBlock::kSize].put(surface[i], static_cast<int>(count % PointBlock::kSize));
     ++count;
   }

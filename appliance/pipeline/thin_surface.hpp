@@ -9,9 +9,9 @@
 
 namespace beltpick::pipeline {
 
-// Copies points (part frame) of which no two on the same side of the surface lie within `apart_mm` of each other; every
-// point left out lies that near to one copied. Returns how many, at most out.size() blocks of them. Same input, same
-// points.
+// Copies, in their order, points (part frame) of which no two on the same side of the surface lie within `apart_mm` of
+// each other; every point left out lies that near to one copied. They are chosen at random: row by row the gaps between
+// them would form rows, too. Returns how many, at most out.size() blocks of them. Same input, same points.
 std::size_t thin_surface(std::span<const OrientedPoint> surface, float apart_mm, std::span<PointBlock> out);
 
 }  // namespace beltpick::pipeline
