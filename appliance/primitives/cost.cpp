@@ -65,11 +65,11 @@ BELTPICK_KERNEL void add_round(const Points& p, const Shape& s, int count, float
 }
 
 double tail_cost(const Cloud& cloud, const Model& model, const PrimitiveQuery& query, int from) {
-  const double threshold = threshold_mm2(query);
+  const InlierRule rule(query);
   double sum = 0;
   for (int i = from; i < cloud.count; ++i) {
-    const double e = residual(model, cloud.point(i)).distance_mm;
-    sum += is_inlier(cloud, i, model, query) ? e * e : threshold;
+    const Residual r = residual(model, cloud.point(i));
+    sum += rule.holds(cloud, i, model, r) ? r.distance_mm * r.distance_mm : rule.threshold_mm2;
   }
   return sum;
 }

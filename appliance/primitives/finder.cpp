@@ -113,9 +113,10 @@ void Finder::remove_inliers(const PrimitiveQuery& query, const Model& model) {
   PrimitiveQuery wide = query;
   wide.sigma_mm *= 1.5;
   wide.normal_angle_max_rad *= 1.5;
+  const InlierRule rule(wide);
   int kept = 0;
   for (int i = 0; i < cloud_.count; ++i) {
-    if (!is_inlier(cloud_, i, model, wide)) cloud_.copy_point(i, kept++);
+    if (!rule.holds(cloud_, i, model, residual(model, cloud_.point(i)))) cloud_.copy_point(i, kept++);
   }
   cloud_.count = kept;
 }

@@ -8,23 +8,8 @@
 
 namespace beltpick::primitives {
 
-Residual residual(const Model& model, const Vec3& point_mm) {
-  Vec3 offset_mm = point_mm - model.point_mm;
-  if (model.kind == PrimitiveKind::kPlane) return {model.direction.dot(offset_mm), model.direction};
-  if (model.kind == PrimitiveKind::kCylinder) offset_mm -= offset_mm.dot(model.direction) * model.direction;
-  const double length_mm = offset_mm.norm();
-  if (length_mm < 1e-9) return {-model.radius_mm, Vec3::Zero()};
-  return {length_mm - model.radius_mm, offset_mm / length_mm};
-}
-
 double least_agreement(const PrimitiveQuery& query) {
   return query.use_normals ? std::cos(query.normal_angle_max_rad) : -2.0;
-}
-
-bool is_inlier(const Cloud& cloud, int i, const Model& model, const PrimitiveQuery& query) {
-  const Residual r = residual(model, cloud.point(i));
-  if (r.distance_mm * r.distance_mm >= threshold_mm2(query)) return false;
-  return model.side * r.outward.dot(cloud.normal(i)) >= least_agreement(query);
 }
 
 namespace {
@@ -82,14 +67,15 @@ class Sectors {
 
 Support support_of(const Cloud& cloud, const Model& model, const PrimitiveQuery& query) {
   Support support;
+  const InlierRule rule(query);
   double low_mm = 1e30, high_mm = -1e30, sum_mm2 = 0;
   for (int i = 0; i < cloud.count; ++i) {
-    if (!is_inlier(cloud, i, model, query)) continue;
     const Vec3 point_mm = cloud.point(i);
+    const Residual r = residual(model, point_mm);
+    if (!rule.holds(cloud, i, model, r)) continue;
     const double along_mm = (point_mm - model.point_mm).dot(model.direction);
-    const double distance_mm = residual(model, point_mm).distance_mm;
     low_mm = std::min(low_mm, along_mm), high_mm = std::max(high_mm, along_mm);
-    sum_mm2 += distance_mm * distance_mm;
+    sum_mm2 += r.distance_mm * r.distance_mm;
     support.centroid_mm += point_mm;
     ++support.inliers;
   }
@@ -102,7 +88,7 @@ Support support_of(const Cloud& cloud, const Model& model, const PrimitiveQuery&
   Sectors about;
   const Vec3 side = model.direction.unitOrthogonal(), third = model.direction.cross(side);
   for (int i = 0; i < cloud.count; ++i) {
-    if (!is_inlier(cloud, i, model, query)) continue;
+    if (!rule.holds(cloud, i, model, residual(model, cloud.point(i)))) continue;
     const Vec3 offset_mm = cloud.point(i) - model.point_mm;
     along.add(offset_mm.dot(model.direction));
     about.add(std::atan2(offset_mm.dot(third), offset_mm.dot(side)));

@@ -20,7 +20,14 @@ struct Residual {
   double distance_mm = 0.0;
   Vec3 outward = Vec3::UnitZ();
 };
-Residual residual(const Model& model, const Vec3& point_mm);
+inline Residual residual(const Model& model, const Vec3& point_mm) {
+  Vec3 offset_mm = point_mm - model.point_mm;
+  if (model.kind == PrimitiveKind::kPlane) return {model.direction.dot(offset_mm), model.direction};
+  if (model.kind == PrimitiveKind::kCylinder) offset_mm -= offset_mm.dot(model.direction) * model.direction;
+  const double length_mm = offset_mm.norm();
+  if (length_mm < 1e-9) return {-model.radius_mm, Vec3::Zero()};
+  return {length_mm - model.radius_mm, offset_mm / length_mm};
+}
 
 // The constant T of equation (4) in mm^2: 99 % of the points of the surface lie closer (chi square, one freedom).
 inline double threshold_mm2(const PrimitiveQuery& query) { return 6.635 * query.sigma_mm * query.sigma_mm; }
@@ -29,7 +36,18 @@ inline double threshold_mm2(const PrimitiveQuery& query) { return 6.635 * query.
 double least_agreement(const PrimitiveQuery& query);
 
 // The judgement of one point that cost() makes of all.
-bool is_inlier(const Cloud& cloud, int i, const Model& model, const PrimitiveQuery& query);
+struct InlierRule {
+  double threshold_mm2, least_agreement;
+
+  explicit InlierRule(const PrimitiveQuery& query)
+      : threshold_mm2(primitives::threshold_mm2(query)), least_agreement(primitives::least_agreement(query)) {}
+
+  // `r`: the point's residual against the model.
+  [[nodiscard]] bool holds(const Cloud& cloud, int i, const Model& model, const Residual& r) const {
+    return r.distance_mm * r.distance_mm < threshold_mm2 &&
+           model.side * r.outward.dot(cloud.normal(i)) >= least_agreement;
+  }
+};
 
 struct Support {
   int inliers = 0;

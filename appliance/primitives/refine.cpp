@@ -51,12 +51,12 @@ struct Normals {
 
 Normals normal_equations(const Cloud& cloud, const PrimitiveQuery& query, const Model& model, const Frame& frame) {
   Normals sum;
-  const double threshold = threshold_mm2(query);
+  const InlierRule rule(query);
   for (int i = 0; i < cloud.count; ++i) {
-    if (!is_inlier(cloud, i, model, query)) continue;
     const Vec3 point_mm = cloud.point(i);
     const Residual r = residual(model, point_mm);
-    const double tukey = 1.0 - r.distance_mm * r.distance_mm / threshold;
+    if (!rule.holds(cloud, i, model, r)) continue;
+    const double tukey = 1.0 - r.distance_mm * r.distance_mm / rule.threshold_mm2;
     const Vec6 j = jacobian(model, frame, point_mm, r.outward);
     sum.matrix += tukey * tukey * j * j.transpose();
     sum.vector -= tukey * tukey * r.distance_mm * j;
