@@ -151,6 +151,12 @@ void Locator::settle(const result::Scene& scene, std::span<const PartModel> mode
       contest(scene, models, *held, attempt);
       continue;
     }
+    if (was_ambiguous(scene, models, objects[strongest], attempt.best)) {
+      attempt.reason = failure(ResultCode::kPoseAmbiguous,
+                               "another pose fitted as well before; wait for a better view of the part")
+                           .error();
+      continue;
+    }
     if (accepted_count_ == accepted_.size()) {
       attempt.reason =
           failure(ResultCode::kLimitExceeded, "expected at most %zu parts; raise limits.parts", accepted_.size())
@@ -182,6 +188,17 @@ void Locator::reconsider_shadowed(const result::Scene& scene, std::span<const Pa
                          result::surface_tolerance_mm(scene, model.spacing_mm), model.required)
         .has_value();
   });
+}
+
+// Whether a search before this one found the pose ambiguous, or one that explains the object as well: a doubt does not
+// end because a search did not meet again what raised it.
+bool Locator::was_ambiguous(const result::Scene& scene, std::span<const PartModel> models, const Object& object,
+                            const Candidate& candidate) const {
+  const Attempt* before = book_.ambiguous_attempt(object);
+  if (before == nullptr) return false;
+  if (same_place(candidate, before->best, models[static_cast<std::size_t>(candidate.model_index)])) return true;
+  const result::Rivalry rivalry = contend(candidate, before->best, scene, models);
+  return rivalry.same_object() && !result::prevails(rivalry);
 }
 
 // A part is there, though its pose cannot be told: no other part may be made of its surface.

@@ -62,6 +62,8 @@ class Locator {
   void add_time(std::uint16_t segment, double ms);
   void settle(const result::Scene& scene, std::span<const PartModel> models, std::span<const Object> objects);
   void reconsider_shadowed(const result::Scene& scene, std::span<const PartModel> models);
+  [[nodiscard]] bool was_ambiguous(const result::Scene& scene, std::span<const PartModel> models, const Object& object,
+                                   const Candidate& candidate) const;
   void claim_ambiguous(const result::Scene& scene, std::span<const PartModel> models, std::span<const Object> objects);
   [[nodiscard]] std::optional<std::size_t> holder(const result::Scene& scene, std::span<const PartModel> models,
                                                   const Candidate& candidate) const;

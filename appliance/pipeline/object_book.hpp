@@ -44,6 +44,9 @@ class ObjectBook {
   // That attempt, if no more will be tried with the object as it is; or null.
   [[nodiscard]] const Attempt* last_word(const Object& object) const;
 
+  // The ambiguous attempt at one of its segments, or null.
+  [[nodiscard]] const Attempt* ambiguous_attempt(const Object& object) const;
+
   // Writes what remains unexplained, with its reason; returns how many.
   std::size_t withheld(std::span<WithheldObject> out) const;
 
