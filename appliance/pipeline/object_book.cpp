@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "base/each_set.hpp"
 #include "contract/result_codes.hpp"
 
 namespace beltpick::pipeline {
@@ -64,18 +65,18 @@ void ObjectBook::recount(const result::Scene& scene) {
   }
   const double per_focal2 = 1.0 / (scene.lens.fx_px * scene.lens.fy_px);
   for (int row = 0; row < owner_.rows; ++row) {
-    const std::uint16_t* labels = owner_.row(row);
-    for (int col = 0; col < owner_.cols; ++col) {
-      if (labels[col] == 0) continue;
-      Entry* e = entry(labels[col]);
-      if (e == nullptr) continue;
+    const std::span<const std::uint16_t> labels{owner_.row(row), static_cast<std::size_t>(owner_.cols)};
+    each_set(labels, [&](std::size_t at) {
+      const int col = static_cast<int>(at);
+      Entry* e = entry(labels[at]);
+      if (e == nullptr) return;
       Segment& s = e->segment;
       ++s.pixels;
       s.row_min = std::min(s.row_min, row), s.row_max = std::max(s.row_max, row);
       s.col_min = std::min(s.col_min, col), s.col_max = std::max(s.col_max, col);
       const double z = scene.range.point_mm(row, col).z();
       e->area_mm2 += z * z * per_focal2;
-    }
+    });
   }
 }
 

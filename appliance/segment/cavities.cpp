@@ -5,6 +5,8 @@
 #include <cmath>
 #include <optional>
 
+#include "base/each_set.hpp"
+
 namespace beltpick::segment {
 
 namespace {
@@ -61,14 +63,16 @@ void Cavities::measure_extents(const RangeImage& range, std::span<const float> h
   std::fill(extents_.begin(), extents_.end(), Extent{range.point_mm.rows, -1, range.point_mm.cols, -1, 0});
   std::fill(histogram_.begin(), histogram_.end(), 0);
   highest_mm_ = 1.0;
-  for (std::size_t p = 0; p < range.point_mm.size(); ++p) {
-    if (components.label(p) != 0) highest_mm_ = std::max(highest_mm_, static_cast<double>(height_mm[p]));
-  }
-  std::size_t pixel = 0;
+  const auto labels = components.labels().first(range.point_mm.size());
+  each_set(labels, [&](std::size_t p) { highest_mm_ = std::max(highest_mm_, static_cast<double>(height_mm[p])); });
+  const auto cols = static_cast<std::size_t>(range.point_mm.cols);
   for (int row = 0; row < range.point_mm.rows; ++row) {
-    for (int col = 0; col < range.point_mm.cols; ++col, ++pixel) {
-      const std::uint16_t label = components.label(pixel);
-      if (label == 0 || label >= kMaxComponents) continue;
+    const std::size_t first = static_cast<std::size_t>(row) * cols;
+    each_set(labels.subspan(first, cols), [&](std::size_t at) {
+      const std::size_t pixel = first + at;
+      const int col = static_cast<int>(at);
+      const std::uint16_t label = labels[pixel];
+      if (label >= kMaxComponents) return;
       Extent& extent = extents_[label];
       extent.row_min = std::min(extent.row_min, row);
       extent.row_max = std::max(extent.row_max, row);
@@ -77,7 +81,7 @@ void Cavities::measure_extents(const RangeImage& range, std::span<const float> h
       ++extent.pixels;
       const double share = std::clamp(static_cast<double>(height_mm[pixel]) / highest_mm_, 0.0, 1.0);
       ++histogram_[label * kBins + std::min(kBins - 1, static_cast<int>(share * kBins))];
-    }
+    });
   }
 }
 
@@ -114,11 +118,12 @@ void Cavities::walk_borders(const RangeImage& range, std::span<const float> heig
   borders_.clear();
   const int rows = range.point_mm.rows;
   const int cols = range.point_mm.cols;
+  const auto labels = components.labels().first(range.point_mm.size());
   for (int row = 0; row < rows; ++row) {
-    for (int col = 0; col < cols; ++col) {
-      const std::size_t here =
-          static_cast<std::size_t>(row) * static_cast<std::size_t>(cols) + static_cast<std::size_t>(col);
-      if (components.label(here) == 0) continue;
+    const std::size_t first = static_cast<std::size_t>(row) * static_cast<std::size_t>(cols);
+    each_set(labels.subspan(first, static_cast<std::size_t>(cols)), [&](std::size_t at) {
+      const std::size_t here = first + at;
+      const int col = static_cast<int>(at);
       // The next measured object pixel to the right and below, across a gap.
       for (int step = 1; step <= kReach_px && col + step < cols; ++step) {
         if (components.label(here + static_cast<std::size_t>(step)) == 0) continue;
@@ -131,7 +136,7 @@ void Cavities::walk_borders(const RangeImage& range, std::span<const float> heig
         note(range, height_mm, up, components, here, there);
         break;
       }
-    }
+    });
   }
 }
 
@@ -156,7 +161,8 @@ void Cavities::join(const RangeImage& range, std::span<const float> height_mm, c
   for (const auto& entry : borders_.entries()) {
     if (entry.a != 0 && one_object(entry.a, entry.b, entry.count, tolerance_mm)) joined_.unite(entry.a, entry.b);
   }
-  for (std::uint16_t& label : components.labels().first(range.point_mm.size())) label = joined_.root(label);
+  const auto labels = components.labels().first(range.point_mm.size());
+  each_set(labels, [&](std::size_t p) { labels[p] = joined_.root(labels[p]); });
 }
 
 }  // namespace beltpick::segment

@@ -4,6 +4,8 @@
 #include <array>
 #include <limits>
 
+#include "base/each_set.hpp"
+
 namespace beltpick::segment {
 
 namespace {
@@ -39,14 +41,16 @@ int Components::find(const RangeImage& range, std::span<const std::uint8_t> mask
   const int rows = range.point_mm.rows;
   const int cols = range.point_mm.cols;
   const auto pixels = static_cast<std::int32_t>(range.point_mm.size());
-  for (std::int32_t p = 0; p < pixels; ++p) {
-    parent_[p] = mask[p] != 0 ? p : -1;
+  const auto in_mask = mask.first(range.point_mm.size());
+  std::fill_n(parent_.begin(), pixels, -1);
+  each_set(in_mask, [&](std::size_t p) {
+    parent_[p] = static_cast<std::int32_t>(p);
     size_[p] = 0;
-  }
+  });
   for (int row = 0; row < rows; ++row) {
-    for (int col = 0; col < cols; ++col) {
+    each_set(in_mask.subspan(static_cast<std::size_t>(row * cols), static_cast<std::size_t>(cols)), [&](std::size_t at) {
+      const int col = static_cast<int>(at);
       const std::int32_t here = row * cols + col;
-      if (parent_[here] < 0) continue;
       for (const auto& [down, right] : kNeighbours) {
         if (row + down >= rows || col + right >= cols || col + right < 0) continue;
         const std::int32_t there = here + down * cols + right;
@@ -54,22 +58,20 @@ int Components::find(const RangeImage& range, std::span<const std::uint8_t> mask
         if (parent_[there] < 0 || parent_[there] == parent_[here]) continue;
         if (linked(range.point_mm(row, col), range.point_mm(row + down, col + right), scale)) unite(here, there);
       }
-    }
+    });
   }
-  for (std::int32_t p = 0; p < pixels; ++p) {
-    if (parent_[p] >= 0) ++size_[root(p)];
-  }
+  each_set(in_mask, [&](std::size_t p) { ++size_[root(static_cast<std::int32_t>(p))]; });
   int count = 0;
-  for (std::int32_t p = 0; p < pixels; ++p) {
-    if (parent_[p] < 0) {
-      numbers_[p] = 0;
-    } else if (parent_[p] == p) {
+  std::fill_n(numbers_.begin(), pixels, std::uint16_t{0});
+  each_set(in_mask, [&](std::size_t at) {
+    const auto p = static_cast<std::int32_t>(at);
+    if (parent_[p] == p) {
       const bool kept = size_[p] >= min_pixels && count < std::numeric_limits<std::uint16_t>::max() - 1;
       numbers_[p] = kept ? static_cast<std::uint16_t>(++count) : std::uint16_t{0};
     } else {
       numbers_[p] = numbers_[root(p)];  // the root came earlier
     }
-  }
+  });
   return count;
 }
 

@@ -27,6 +27,7 @@ class Components {
 
   [[nodiscard]] std::uint16_t label(std::size_t pixel) const { return numbers_[pixel]; }
   [[nodiscard]] std::span<std::uint16_t> labels() { return numbers_; }
+  [[nodiscard]] std::span<const std::uint16_t> labels() const { return numbers_; }
 
  private:
   std::int32_t root(std::int32_t pixel);

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <functional>
 
+#include "base/each_set.hpp"
+
 namespace beltpick::segment {
 
 namespace {
@@ -19,8 +21,7 @@ Roster::Roster(Arena& arena, int max_segments)
 void Roster::choose(std::span<const std::uint16_t> numbers, int& total) {
   std::fill(pixels_.begin(), pixels_.end(), 0);
   std::fill(label_of_number_.begin(), label_of_number_.end(), std::uint16_t{0});
-  for (const std::uint16_t number : numbers) ++pixels_[number];
-  pixels_[0] = 0;
+  each_set(numbers, [&](std::size_t p) { ++pixels_[numbers[p]]; });
   total = static_cast<int>(std::count_if(pixels_.begin(), pixels_.end(), [](std::int32_t n) { return n > 0; }));
   std::int32_t least = 1;
   if (static_cast<std::size_t>(total) > segments_.size()) {
@@ -30,10 +31,11 @@ void Roster::choose(std::span<const std::uint16_t> numbers, int& total) {
     least = *last;
   }
   count_ = 0;
-  for (const std::uint16_t number : numbers) {
-    if (number == 0 || label_of_number_[number] != 0 || pixels_[number] < least || count_ == segments_.size()) continue;
+  each_set(numbers, [&](std::size_t p) {
+    const std::uint16_t number = numbers[p];
+    if (label_of_number_[number] != 0 || pixels_[number] < least || count_ == segments_.size()) return;
     label_of_number_[number] = static_cast<std::uint16_t>(++count_);
-  }
+  });
 }
 
 void Roster::measure(const RangeImage& range, std::span<const float> height_mm, std::span<const std::uint16_t> labels) {
@@ -50,9 +52,10 @@ void Roster::measure(const RangeImage& range, std::span<const float> height_mm, 
                     .touches_border = false};
   }
   for (int row = 0; row < rows; ++row) {
-    for (int col = 0; col < cols; ++col) {
+    const auto in_row = labels.subspan(static_cast<std::size_t>(row * cols), static_cast<std::size_t>(cols));
+    each_set(in_row, [&](std::size_t at) {
+      const int col = static_cast<int>(at);
       const int here = row * cols + col;
-      if (labels[here] == 0) continue;
       Segment& segment = segments_[labels[here] - 1];
       segment.row_min = std::min(segment.row_min, row);
       segment.row_max = std::max(segment.row_max, row);
@@ -63,7 +66,7 @@ void Roster::measure(const RangeImage& range, std::span<const float> height_mm, 
       if (col + 1 < cols && labels[here + 1] == labels[here]) {
         segment.top_mm = std::max(segment.top_mm, std::min(height_mm[here], height_mm[here + 1]));
       }
-    }
+    });
   }
   for (Segment& segment : segments_.first(count_)) {
     segment.touches_border =
@@ -75,8 +78,9 @@ int Roster::list(const RangeImage& range, std::span<const std::uint16_t> numbers
                  std::span<std::uint16_t> labels) {
   int total = 0;
   choose(numbers, total);
-  for (std::size_t p = 0; p < numbers.size(); ++p) labels[p] = label_of_number_[numbers[p]];
-  measure(range, height_mm, labels);
+  std::fill_n(labels.begin(), numbers.size(), std::uint16_t{0});
+  each_set(numbers, [&](std::size_t p) { labels[p] = label_of_number_[numbers[p]]; });
+  measure(range, height_mm, labels.first(numbers.size()));
   return total;
 }
 

@@ -78,8 +78,9 @@ void Segmenter::return_poor_pixels(const RangeImage& range, const Scale& scale) 
   for (int row = 0; row < range.point_mm.rows; ++row) {
     for (int col = 1; col < cols; ++col) {
       const int here = row * cols + col;
+      if (labels[here - 1] == 0 || labels[here] != 0) continue;
       const bool poor = static_cast<double>(range.sigma_mm.data[here]) > scale.poor_sigma_mm;
-      if (labels[here] != 0 || !poor || !range.valid(row, col) || labels[here - 1] == 0) continue;
+      if (!poor || !range.valid(row, col)) continue;
       if (linked(range.point_mm(row, col - 1), range.point_mm(row, col), scale)) labels[here] = labels[here - 1];
     }
   }
