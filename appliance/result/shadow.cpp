@@ -1,7 +1,11 @@
 #include "result/shadow.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <utility>
+
+#include "base/kernel.hpp"
 
 namespace beltpick::result {
 namespace {
@@ -13,6 +17,40 @@ constexpr int kStep_px = 2;
 constexpr float kLeastCosine = 0.1F;
 // A surface ends where the next one lies so much lower.
 constexpr float kLeastSide_mm = 5.0F;
+
+// What look() needs, as plain numbers.
+struct LightView {
+  std::array<float, 3> light_mm;
+  std::array<float, 9> turn;  // row by row
+  float tan_left, tan_top, cells_per_tan;
+  int rows, cols;
+};
+
+[[gnu::always_inline]] inline int within(float at, int size) {
+  const float from_first = at > 0.0F ? at : 0.0F;
+  const auto last = static_cast<float>(size - 1);
+  return static_cast<int>(from_first < last ? from_first : last);
+}
+
+// look() for the points of a block: the index of each one's cell, -1 beyond the map, and its distance from the light.
+BELTPICK_KERNEL void look_at_cells(const PointBlock& at, const LightView& v, std::size_t count, int* __restrict cell,
+                                   float* __restrict distance_mm) {
+  for (std::size_t i = 0; i < count; i += PointBlock::kLanes) {
+    for (std::size_t k = i; k < i + PointBlock::kLanes; ++k) {
+      const float dx = at.x[k] - v.light_mm[0], dy = at.y[k] - v.light_mm[1], dz = at.z[k] - v.light_mm[2];
+      const float x = v.turn[0] * dx + (v.turn[1] * dy + v.turn[2] * dz);
+      const float y = v.turn[3] * dx + (v.turn[4] * dy + v.turn[5] * dz);
+      const float z = v.turn[6] * dx + (v.turn[7] * dy + v.turn[8] * dz);
+      const float down = (y / z - v.tan_top) * v.cells_per_tan;
+      const float right = (x / z - v.tan_left) * v.cells_per_tan;
+      const bool on_map = (z > 0.0F) & (down >= 0.0F) & (right >= 0.0F) & (down < static_cast<float>(v.rows)) &
+                          (right < static_cast<float>(v.cols));
+      const int index = within(down, v.rows) * v.cols + within(right, v.cols);
+      cell[k] = on_map ? index : -1;
+      distance_mm[k] = std::sqrt(x * x + (y * y + z * z));
+    }
+  }
+}
 
 }  // namespace
 
@@ -31,20 +69,30 @@ void ShadowMap::cast(const RangeImage& range, const std::optional<Vec3>& light_m
   std::fill(memory_.begin(), memory_.end(), 0.0F);
   aim(range);
   if (!light_mm_) return;
+  PointBlock points;
+  int count = 0;
   for (int row = 0; row < range.point_mm.rows; row += kStep_px) {
     for (int col = 0; col < range.point_mm.cols; col += kStep_px) {
-      if (range.valid(row, col)) stop_light(range.point_mm(row, col));
+      if (!range.valid(row, col)) continue;
+      points.put({range.point_mm(row, col), Vec3f::Zero()}, count++);
+      if (count == PointBlock::kSize) stop_light(points, std::exchange(count, 0));
     }
   }
+  stop_light(points, count);
   if (belt) stop_at_sides(range, *belt);
   bridge_gaps();
 }
 
 void ShadowMap::add(const PartModel& model, const Pose<frame::Camera, frame::Part>& T_camera_part) {
   if (!light_mm_) return;
-  const Eigen::Matrix3f rotation = T_camera_part.rotation.cast<float>();
-  const Vec3f translation = T_camera_part.translation_mm.cast<float>();
-  for (const OrientedPoint& surface : model.surface) stop_light(rotation * surface.point_mm + translation);
+  const FastMotion motion(T_camera_part);
+  PointBlock points;
+  for (std::size_t block = 0; block < model.fine.blocks.size(); ++block) {
+    const auto count =
+        static_cast<int>(std::min<std::size_t>(PointBlock::kSize, model.fine.count - block * PointBlock::kSize));
+    move_points(model.fine.blocks[block], motion, count, points);
+    stop_light(points, count);
+  }
 }
 
 void ShadowMap::stop_light(const Vec3f& point_mm) {
@@ -52,6 +100,22 @@ void ShadowMap::stop_light(const Vec3f& point_mm) {
   if (cell.row < 0) return;
   float& nearest = lit_mm_(cell.row, cell.col);
   if (nearest == 0.0F || cell.distance_mm < nearest) nearest = cell.distance_mm;
+}
+
+void ShadowMap::stop_light(PointBlock& points, int count) {
+  points.fill_up(count);
+  LightView view{{light_mm_->x(), light_mm_->y(), light_mm_->z()}, {}, tan_left_, tan_top_, cells_per_tan_,
+                 lit_mm_.rows, lit_mm_.cols};
+  for (int i = 0; i < 9; ++i) view.turn[static_cast<std::size_t>(i)] = R_light_camera_(i / 3, i % 3);
+  alignas(64) std::array<int, PointBlock::kSize> cell;
+  alignas(64) PointBlock::Row distance_mm;
+  look_at_cells(points, view, static_cast<std::size_t>(PointBlock::whole_steps(count)), cell.data(),
+                distance_mm.data());
+  for (std::size_t k = 0; k < static_cast<std::size_t>(count); ++k) {
+    if (cell[k] < 0) continue;
+    float& nearest = lit_mm_.data[cell[k]];
+    if (nearest == 0.0F || distance_mm[k] < nearest) nearest = distance_mm[k];
+  }
 }
 
 void ShadowMap::stop_at_sides(const RangeImage& range, const Plane& belt) {

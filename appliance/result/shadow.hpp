@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "base/arena.hpp"
+#include "base/point_block.hpp"
 #include "base/stages.hpp"
 #include "contract/limits.hpp"
 #include "contract/part_model.hpp"
@@ -37,6 +38,7 @@ class ShadowMap {
   void aim(const RangeImage& range);
   [[nodiscard]] Cell look(const Vec3f& point_mm) const;
   void stop_light(const Vec3f& point_mm);
+  void stop_light(PointBlock& points, int count);
   void stop_at_sides(const RangeImage& range, const Plane& belt);
   void bridge_gaps();
 

@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+
+#include "base/kernel.hpp"
 
 namespace beltpick::segment {
 
@@ -12,6 +15,38 @@ constexpr double kSpreads = 2.4;
 constexpr double kPitches = 2.0;
 // Fewer pixels than this are no object.
 constexpr int kMinPixels = 100;
+
+static_assert(sizeof(Vec3f) == 3 * sizeof(float));
+
+// How far a point must rise above a plane to belong to an object.
+struct Rise {
+  double normal[3], offset_mm;
+  double least_mm;   // anywhere, and
+  double pitch_rad;  // kPitches of what neighbouring pixels see apart at its distance
+};
+
+// `xyz`: three numbers a pixel, mm. Writes 0 where nothing was measured.
+BELTPICK_KERNEL void mark_risen(const float* __restrict xyz, const Rise& rise, std::size_t pixels,
+                                float* __restrict height_mm, std::uint8_t* __restrict mask) {
+  for (std::size_t p = 0; p < pixels; ++p) {
+    const double x = xyz[3 * p], y = xyz[3 * p + 1], z = xyz[3 * p + 2];
+    const auto height = static_cast<float>(rise.normal[0] * x + (rise.normal[1] * y + rise.normal[2] * z) -
+                                           rise.offset_mm);
+    const double by_pitch = kPitches * (rise.pitch_rad * z);
+    const double least = rise.least_mm > by_pitch ? rise.least_mm : by_pitch;
+    const bool measured = z > 0.0;
+    height_mm[p] = measured ? height : 0.0F;
+    mask[p] = static_cast<std::uint8_t>(measured & (static_cast<double>(height) > least));
+  }
+}
+
+BELTPICK_KERNEL void unmark_poor(const float* __restrict sigma_mm, double poor_mm, std::size_t pixels,
+                                 std::uint8_t* __restrict mask) {
+  for (std::size_t p = 0; p < pixels; ++p) {
+    const bool poor = static_cast<double>(sigma_mm[p]) > poor_mm;
+    mask[p] = static_cast<std::uint8_t>(poor ? 0 : mask[p]);
+  }
+}
 
 }  // namespace
 
@@ -29,23 +64,16 @@ Segmenter::Segmenter(Arena& arena, const Limits& limits, CreaseCut creases)
   if (creases == CreaseCut::kAvailable) creases_.emplace(arena, limits.image_width * limits.image_height);
 }
 
+// Without a support plane everything measured belongs to objects, and what is nearer is higher.
 void Segmenter::mark_objects(const RangeImage& range, const Scale& scale, const std::optional<SupportPlane>& support) {
-  for (std::size_t p = 0; p < range.point_mm.size(); ++p) {
-    const Vec3f& point = range.point_mm.data[p];
-    const double z_mm = static_cast<double>(point.z());
-    mask_[p] = 0;
-    height_mm_[p] = 0.0F;
-    if (z_mm <= 0.0) continue;
-    const bool poor = scale.poor_sigma_mm > 0.0 && static_cast<double>(range.sigma_mm.data[p]) > scale.poor_sigma_mm;
-    if (!support) {
-      height_mm_[p] = -point.z();
-      mask_[p] = poor ? 0 : 1;
-      continue;
-    }
-    height_mm_[p] = static_cast<float>(support->plane.height_mm(point.cast<double>()));
-    const double least_mm = std::max(kSpreads * support->spread_mm, kPitches * scale.pitch_mm(z_mm));
-    mask_[p] = static_cast<double>(height_mm_[p]) > least_mm && !poor ? 1 : 0;
-  }
+  const std::size_t pixels = range.point_mm.size();
+  const Vec3 normal = support ? support->plane.normal : Vec3(0.0, 0.0, -1.0);
+  const Rise rise{{normal.x(), normal.y(), normal.z()},
+                  support ? support->plane.offset_mm : 0.0,
+                  support ? kSpreads * support->spread_mm : -std::numeric_limits<double>::max(),
+                  support ? scale.pitch_rad : -std::numeric_limits<double>::max()};
+  mark_risen(reinterpret_cast<const float*>(range.point_mm.data), rise, pixels, height_mm_.data(), mask_.data());
+  if (scale.poor_sigma_mm > 0.0) unmark_poor(range.sigma_mm.data, scale.poor_sigma_mm, pixels, mask_.data());
 }
 
 // Erosion and dilation by a cross: links one pixel wide fall away. Beyond the border lies what lies on it.

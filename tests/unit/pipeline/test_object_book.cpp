@@ -141,3 +141,22 @@ TEST_CASE("what a found part leaves of an object is searched from the beginning,
   book.made.explain(sheet.scene, loaded.model(), pose, {0, 39, 0, 58});
   CHECK(book.made.next_round(sheet.scene, 20.0).empty());
 }
+
+TEST_CASE("an ambiguous attempt at any piece of an object is remembered while the object is as it was") {
+  Sheet sheet;
+  sheet.add(0, 0, 40, 60);
+  sheet.add(50, 0, 40, 60);
+  Book book(test::test_limits());
+  book.made.begin(sheet.scene, sheet.segments, kSmallestView_mm2);
+  const auto objects = book.made.next_round(sheet.scene, 20.0);
+  REQUIRE(objects.size() == 2);
+  Object both;
+  for (const Segment& segment : sheet.segments) both.add(segment);
+  const Object first = objects[0], second = objects[1];
+  CHECK(book.made.ambiguous_attempt(both) == nullptr);
+  book.made.failed(first, withheld(ResultCode::kCoverageTooLow));
+  book.made.failed(second, withheld(ResultCode::kPoseAmbiguous, Stage::kVerify, 0.3));
+  CHECK(book.made.ambiguous_attempt(first) == nullptr);
+  REQUIRE(book.made.ambiguous_attempt(both) != nullptr);
+  CHECK(book.made.ambiguous_attempt(both)->best.strength == 0.3);
+}
