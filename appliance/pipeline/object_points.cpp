@@ -47,9 +47,11 @@ Spread spread_round(const RangeImage& range, int row, int col, int stride, float
   for (int r = row_min; r <= row_max; r += stride) {
     for (int c = col_min; c <= col_max; c += stride) {
       const Vec3f& there = range.point_mm(r, c);
-      const float dx = there.x() - here.x(), dy = there.y() - here.y(), dz = there.z() - here.z();
-      if (!range.valid(r, c) || dx * dx + dy * dy + dz * dz > reach * reach) continue;
-      x += dx, y += dy, z += dz, count += 1.0F;
+      const float ax = there.x() - here.x(), ay = there.y() - here.y(), az = there.z() - here.z();
+      // Nothing is added of a point that does not count: a branch would be guessed wrong too often.
+      const bool counts = range.valid(r, c) & (ax * ax + ay * ay + az * az <= reach * reach);
+      const float dx = counts ? ax : 0.0F, dy = counts ? ay : 0.0F, dz = counts ? az : 0.0F;
+      x += dx, y += dy, z += dz, count += counts ? 1.0F : 0.0F;
       s.xx += dx * dx, s.yy += dy * dy, s.zz += dz * dz, s.xy += dx * dy, s.xz += dx * dz, s.yz += dy * dz;
     }
   }
