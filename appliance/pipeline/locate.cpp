@@ -152,9 +152,9 @@ void Locator::settle(const result::Scene& scene, std::span<const PartModel> mode
       continue;
     }
     if (was_ambiguous(scene, models, objects[strongest], attempt.best)) {
-      attempt.reason = failure(ResultCode::kPoseAmbiguous,
-                               "another pose fitted as well before; wait for a better view of the part")
-                           .error();
+      attempt.reason =
+          failure(ResultCode::kPoseAmbiguous, "another pose fitted as well before; wait for a better view of the part")
+              .error();
       continue;
     }
     if (accepted_count_ == accepted_.size()) {

@@ -146,7 +146,8 @@ class OutlineWalk {
         ++inside;
         continue;
       }
-      if (inside >= kRunInside && ends_at(edge, out, px)) return 0.5F * (out_px(edge, out, px - 1) + out_px(edge, out, px));
+      if (inside >= kRunInside && ends_at(edge, out, px))
+        return 0.5F * (out_px(edge, out, px - 1) + out_px(edge, out, px));
       if (here == Sight::kBehind) inside = 0;
     }
     return {};

@@ -64,7 +64,7 @@ class PoseFinder {
     std::size_t sample;  // at most so many points
     Detail detail;
   };
-  static constexpr Look kOff{3.0, kAlignSample, Detail::kCoarse};   // first,
+  static constexpr Look kOff{3.0, kAlignSample, Detail::kCoarse};  // first,
   static constexpr Look kClose{1.5, kFinalSample, Detail::kFine};  // and then
 
   // What a challenger must show beside the champion to be worth more work.

@@ -228,8 +228,7 @@ bool PoseFinder::far_behind(const Context& context, const Candidate& other, cons
 // Finishes a pose that was aligned, unless it falls too far behind on the way. Returns whether it was finished.
 bool PoseFinder::finish_challenger(const Context& context, const Candidate& champion, Candidate& other) {
   if (far_behind(context, other, champion, kAligned)) return false;
-  if (!align_in_sight(context, other, kOff) || far_behind(context, other, champion, kInSight))
-    return false;
+  if (!align_in_sight(context, other, kOff) || far_behind(context, other, champion, kInSight)) return false;
   finish_closely(context, other);
   return true;
 }

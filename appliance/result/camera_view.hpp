@@ -23,9 +23,9 @@ struct Seen {
   alignas(64) std::array<int, PointBlock::kSize> facing;  // 1 where the surface faces the camera, in its field
 };
 
-// The image of the first `count` points of a block, camera frame: project() and in_field() of contract/lens_project.hpp,
-// sixteen at a time, the same bits on every vector unit. `own_mm`: by so much the surface changes its own depth within
-// three times `spacing_mm`. What lies behind the last point is not to be read.
+// The image of the first `count` points of a block, camera frame: project() and in_field() of
+// contract/lens_project.hpp, sixteen at a time, the same bits on every vector unit. `own_mm`: by so much the surface
+// changes its own depth within three times `spacing_mm`. What lies behind the last point is not to be read.
 void look_at(const PointBlock& at_camera, const Optics& optics, float spacing_mm, int count, Seen& seen);
 
 }  // namespace beltpick::result

@@ -25,8 +25,8 @@ class Drawing {
  public:
   Drawing(Arena& arena, const Limits& limits);
 
-  // Draws a part by its fine or its coarse surface. A surface that leans away by more than about 78 degrees counts as out of sight: it is rarely
-  // measured.
+  // Draws a part by its fine or its coarse surface. A surface that leans away by more than about 78 degrees counts as
+  // out of sight: it is rarely measured.
   void draw(const SurfaceBlocks& surface, const PartPose& T_camera_part, const Lens& lens);
 
   [[nodiscard]] std::span<const VisiblePoint> visible() const { return visible_.first(visible_count_); }

@@ -104,8 +104,13 @@ void ShadowMap::stop_light(const Vec3f& point_mm) {
 
 void ShadowMap::stop_light(PointBlock& points, int count) {
   points.fill_up(count);
-  LightView view{{light_mm_->x(), light_mm_->y(), light_mm_->z()}, {}, tan_left_, tan_top_, cells_per_tan_,
-                 lit_mm_.rows, lit_mm_.cols};
+  LightView view{{light_mm_->x(), light_mm_->y(), light_mm_->z()},
+                 {},
+                 tan_left_,
+                 tan_top_,
+                 cells_per_tan_,
+                 lit_mm_.rows,
+                 lit_mm_.cols};
   for (int i = 0; i < 9; ++i) view.turn[static_cast<std::size_t>(i)] = R_light_camera_(i / 3, i % 3);
   alignas(64) std::array<int, PointBlock::kSize> cell;
   alignas(64) PointBlock::Row distance_mm;

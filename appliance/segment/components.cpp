@@ -48,17 +48,19 @@ int Components::find(const RangeImage& range, std::span<const std::uint8_t> mask
     size_[p] = 0;
   });
   for (int row = 0; row < rows; ++row) {
-    each_set(in_mask.subspan(static_cast<std::size_t>(row * cols), static_cast<std::size_t>(cols)), [&](std::size_t at) {
-      const int col = static_cast<int>(at);
-      const std::int32_t here = row * cols + col;
-      for (const auto& [down, right] : kNeighbours) {
-        if (row + down >= rows || col + right >= cols || col + right < 0) continue;
-        const std::int32_t there = here + down * cols + right;
-        // Most neighbours hang together by way of others already.
-        if (parent_[there] < 0 || parent_[there] == parent_[here]) continue;
-        if (linked(range.point_mm(row, col), range.point_mm(row + down, col + right), scale)) unite(here, there);
-      }
-    });
+    each_set(in_mask.subspan(static_cast<std::size_t>(row * cols), static_cast<std::size_t>(cols)),
+             [&](std::size_t at) {
+               const int col = static_cast<int>(at);
+               const std::int32_t here = row * cols + col;
+               for (const auto& [down, right] : kNeighbours) {
+                 if (row + down >= rows || col + right >= cols || col + right < 0) continue;
+                 const std::int32_t there = here + down * cols + right;
+                 // Most neighbours hang together by way of others already.
+                 if (parent_[there] < 0 || parent_[there] == parent_[here]) continue;
+                 if (linked(range.point_mm(row, col), range.point_mm(row + down, col + right), scale))
+                   unite(here, there);
+               }
+             });
   }
   each_set(in_mask, [&](std::size_t p) { ++size_[root(static_cast<std::int32_t>(p))]; });
   int count = 0;

@@ -30,8 +30,8 @@ BELTPICK_KERNEL void mark_risen(const float* __restrict xyz, const Rise& rise, s
                                 float* __restrict height_mm, std::uint8_t* __restrict mask) {
   for (std::size_t p = 0; p < pixels; ++p) {
     const double x = xyz[3 * p], y = xyz[3 * p + 1], z = xyz[3 * p + 2];
-    const auto height = static_cast<float>(rise.normal[0] * x + (rise.normal[1] * y + rise.normal[2] * z) -
-                                           rise.offset_mm);
+    const auto height =
+        static_cast<float>(rise.normal[0] * x + (rise.normal[1] * y + rise.normal[2] * z) - rise.offset_mm);
     const double by_pitch = kPitches * (rise.pitch_rad * z);
     const double least = rise.least_mm > by_pitch ? rise.least_mm : by_pitch;
     const bool measured = z > 0.0;

@@ -24,7 +24,8 @@ struct Patch {
     Random random(seed);
     for (int row = 0; row < kSide; ++row) {
       for (int col = 0; col < kSide; ++col) {
-        const float x = kPitch_mm * static_cast<float>(col - kMiddle), y = kPitch_mm * static_cast<float>(row - kMiddle);
+        const float x = kPitch_mm * static_cast<float>(col - kMiddle),
+                    y = kPitch_mm * static_cast<float>(row - kMiddle);
         const auto noise = noise_mm * static_cast<float>(random.uniform(-1.7, 1.7));
         point_mm.emplace_back(x, y, kAway_mm + depth_mm(x, y) + noise);
       }
@@ -60,7 +61,8 @@ double apart_deg(const Vec3f& a, const Vec3f& b) {
 TEST_CASE("the normal is the direction in which the points of the window spread least", "[object_points]") {
   for (std::uint64_t seed = 1; seed <= 40; ++seed) {
     Random random(1000 + seed);
-    const auto slope_x = static_cast<float>(random.uniform(-2.5, 2.5)), slope_y = static_cast<float>(random.uniform(-2.5, 2.5));
+    const auto slope_x = static_cast<float>(random.uniform(-2.5, 2.5)),
+               slope_y = static_cast<float>(random.uniform(-2.5, 2.5));
     const auto bend = static_cast<float>(random.uniform(-0.05, 0.05));
     const auto noise_mm = static_cast<float>(random.uniform(0.0, 0.08));
     Patch patch([&](float x, float y) { return slope_x * x + slope_y * y + bend * x * x; }, noise_mm, seed);
