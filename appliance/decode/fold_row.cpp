@@ -1,5 +1,6 @@
 #include <algorithm>
 
+#include "decode/bit_kernels.hpp"
 #include "decode/fold_kernels.hpp"
 #include "decode/gray_rows.hpp"
 #include "decode/phase_kernels.hpp"

@@ -19,7 +19,7 @@ enum WeakBits : std::uint8_t {
   kWeakRight = 4,  // at the right border
 };
 
-// `bit_rows`: rows of `bits` Gray bits, least significant first, as fold_kernels.hpp lays them out. Gives the cell that
+// `bit_rows`: rows of `bits` Gray bits, least significant first, as bit_kernels.hpp lays them out. Gives the cell that
 // the reflected code numbers, and WeakBits, of each of `count` pixels. Up to kBitRowsReadAhead bytes beyond a row are
 // read. Works on bits of 64 pixels at a time and only then spreads them over the pixels, which costs a tenth of doing
 // the same pixel by pixel.

@@ -3,7 +3,7 @@
 
 #include <type_traits>
 
-#include "decode/fold_kernels.hpp"
+#include "decode/bit_kernels.hpp"
 #include "decode/row_decoder.hpp"
 
 namespace beltpick::decode {

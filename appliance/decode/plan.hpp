@@ -26,7 +26,7 @@ enum class PlaneKind : std::uint8_t {
   kSum,    // fringe component, later phase or amplitude: int16 or float
   kMean,   // sum of phase frames: uint16 or float
   kRaw,    // a frame's pixels: uint8 or uint16
-  kBits,   // a Gray bit and whether it is weak: two bits; rows as fold_kernels.hpp lays them out
+  kBits,   // a Gray bit and whether it is weak: two bits; rows as bit_kernels.hpp lays them out
   kFlags,  // one bit an exposure: saturated: uint8
 };
 int plane_bits(PlaneKind kind, int pixel_bytes);

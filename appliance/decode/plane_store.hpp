@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <span>
 
-#include "decode/fold_kernels.hpp"
+#include "decode/bit_kernels.hpp"
 #include "decode/gray_cells.hpp"
 #include "decode/plan.hpp"
 

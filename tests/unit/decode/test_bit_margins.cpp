@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "base/camera_noise.hpp"
-#include "decode/fold_kernels.hpp"
+#include "decode/bit_kernels.hpp"
 
 namespace beltpick::decode {
 namespace {
