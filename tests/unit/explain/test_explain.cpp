@@ -17,12 +17,12 @@ using namespace beltpick::test;
 
 namespace {
 
-// A bracket and a foreign plate on one belt.
+// A bracket, so that its mirror image can be told, and a foreign plate on one belt.
 struct Bench {
   Shape shape = bracket(), foreign = plate();
   LoadedPart loaded{shape};
   InArena<pipeline::Pipeline> machine{limits(), 1};
-  result::PartPose truth = on_belt(shape, loaded.part, any_rotation(3), -90.0, 20.0);
+  result::PartPose truth = on_belt(shape, loaded.part, any_rotation(1), -90.0, 20.0);
   SceneImage image =
       render({{&shape, truth}, {&foreign, on_belt(foreign, template_of(foreign, 3000), Mat3::Identity(), 90.0, 0.0)}});
   explain::StoryRecorder recorder{limits()};
