@@ -59,31 +59,59 @@ Mat6 covariance(const NormalEquations& system, const PartModel& model, const Par
   return 0.5 * (in_camera + in_camera.transpose());
 }
 
-}  // namespace
+struct Outline {
+  std::span<const OutlinePair> pairs;
+  double weight;  // of each, where a point of the surface has 1
+};
 
-Alignment align(std::span<const OrientedPoint> sample, const PartModel& model, const PartPose& initial,
-                std::span<const Stage> stages, const Noise& noise, std::span<const OutlinePair> outline) {
-  Alignment result;
-  result.T_camera_part = initial;
+void describe_fit(const NormalEquations& system, std::size_t sample_size, Alignment& result) {
+  result.rms_mm = std::sqrt(system.weighted_square / system.weight);
+  result.inlier_share = static_cast<double>(system.inliers) / static_cast<double>(sample_size);
+}
+
+// Moves result.T_camera_part through all stages; false where too little of the sample is left near the part.
+bool descend(std::span<const OrientedPoint> sample, const PartModel& model, std::span<const Stage> stages,
+             const Outline& outline, Alignment& result) {
   const Vec6 scale = length_scale(model);
-  const double ratio = noise.sigma_mm / noise.outline_sigma_mm;
-  const double outline_weight = ratio * ratio;
-  NormalEquations system;
   for (const Stage& stage : stages) {
     for (int i = 0; i < stage.iterations; ++i) {
-      system = linearise(sample, model, result.T_camera_part, stage, outline, outline_weight);
+      const NormalEquations system =
+          linearise(sample, model, result.T_camera_part, stage, outline.pairs, outline.weight);
       ++result.iterations;
-      if (system.inliers < kLeastInliers) return result;
+      if (system.inliers < kLeastInliers) {
+        result.rms_mm = result.inlier_share = 0.0;
+        return false;
+      }
+      describe_fit(system, sample.size(), result);
       const Vec6 step = solve(system, scale);
       result.T_camera_part = moved(result.T_camera_part, step, model.centre_mm);
       const double moved_mm = step.cwiseQuotient(scale).norm();
       if (moved_mm < stage.settled * stage.radius_mm) break;
     }
   }
-  system = linearise(sample, model, result.T_camera_part, stages.back(), outline, outline_weight);
+  return true;
+}
+
+}  // namespace
+
+Alignment approach(std::span<const OrientedPoint> sample, const PartModel& model, const PartPose& initial,
+                   std::span<const Stage> stages) {
+  Alignment result;
+  result.T_camera_part = initial;
+  descend(sample, model, stages, {}, result);
+  return result;
+}
+
+Alignment align(std::span<const OrientedPoint> sample, const PartModel& model, const PartPose& initial,
+                std::span<const Stage> stages, const Noise& noise, std::span<const OutlinePair> outline) {
+  Alignment result;
+  result.T_camera_part = initial;
+  const double ratio = noise.sigma_mm / noise.outline_sigma_mm;
+  if (!descend(sample, model, stages, {outline, ratio * ratio}, result)) return result;
+  const NormalEquations system =
+      linearise(sample, model, result.T_camera_part, stages.back(), outline, ratio * ratio);
   if (system.inliers < kLeastInliers) return result;
-  result.rms_mm = std::sqrt(system.weighted_square / system.weight);
-  result.inlier_share = static_cast<double>(system.inliers) / static_cast<double>(sample.size());
+  describe_fit(system, sample.size(), result);
   result.covariance = covariance(system, model, result.T_camera_part, std::max(noise.sigma_mm, result.rms_mm));
   return result;
 }

@@ -48,4 +48,9 @@ struct Noise {
 Alignment align(std::span<const OrientedPoint> sample, const PartModel& model, const PartPose& initial,
                 std::span<const Stage> stages, const Noise& noise, std::span<const OutlinePair> outline = {});
 
+// The same for the first of many poses, to see where they end: no outline, no covariance; rms_mm and inlier_share as
+// they were before the last step.
+Alignment approach(std::span<const OrientedPoint> sample, const PartModel& model, const PartPose& initial,
+                   std::span<const Stage> stages);
+
 }  // namespace beltpick::icp

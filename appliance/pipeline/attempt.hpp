@@ -5,6 +5,7 @@
 
 #include "base/result.hpp"
 #include "base/stages.hpp"
+#include "base/units.hpp"
 #include "contract/locate_result.hpp"
 #include "contract/pose_difference.hpp"
 #include "contract/result_codes.hpp"
@@ -42,6 +43,17 @@ inline bool same_place(const Candidate& a, const Candidate& b, const PartModel& 
   if (a.model_index != b.model_index) return false;
   const PoseDifference d = difference_modulo_symmetry(a.alignment.T_camera_part, b.alignment.T_camera_part, model);
   return d.translation_mm < kSamePlaceShare * model.diagonal_mm && d.rotation_rad < kSameTurn_rad;
+}
+
+// Poses that differ less are the same to a robot, which is promised a millimetre and a degree. Two alignments of one
+// part that end further apart disagree, though they have found the same place.
+inline constexpr double kSamePose_mm = 0.5;
+inline constexpr double kSamePose_rad = rad_from_deg(0.5);
+
+inline bool same_pose(const Candidate& a, const Candidate& b, const PartModel& model) {
+  if (a.model_index != b.model_index) return false;
+  const PoseDifference d = difference_modulo_symmetry(a.alignment.T_camera_part, b.alignment.T_camera_part, model);
+  return d.translation_mm < kSamePose_mm && d.rotation_rad < kSamePose_rad;
 }
 
 // What became of a search.

@@ -7,11 +7,11 @@
 
 #include "base/clock.hpp"
 #include "contract/result_codes.hpp"
+#include "pipeline/contest.hpp"
 #include "pipeline/noise.hpp"
 #include "pipeline/pick_order.hpp"
 #include "pipeline/pose_hold.hpp"
 #include "result/contact.hpp"
-#include "result/rivalry.hpp"
 #include "result/verdict.hpp"
 
 namespace beltpick::pipeline {
@@ -53,16 +53,6 @@ result::Region round_part(const Candidate& candidate, const PartModel& model, co
   const result::Region& drawn = candidate.region;
   return {on_lattice(drawn.row_min - reach_px), std::min(scene.labels.rows - 1, drawn.row_max + reach_px),
           on_lattice(drawn.col_min - reach_px), std::min(scene.labels.cols - 1, drawn.col_max + reach_px)};
-}
-
-// What of the image each of two poses explains.
-result::Rivalry contend(const Candidate& a, const Candidate& b, const result::Scene& scene,
-                        std::span<const PartModel> models) {
-  constexpr int kStep = 4;
-  const auto claim = [&](const Candidate& candidate) {
-    return result::Rival{models[static_cast<std::size_t>(candidate.model_index)], candidate.alignment.T_camera_part};
-  };
-  return result::compare(claim(a), claim(b), scene, kStep);
 }
 
 }  // namespace
@@ -159,7 +149,7 @@ void Locator::settle(const result::Scene& scene, std::span<const PartModel> mode
       attempt.reason = fits.error();
       continue;
     }
-    if (was_ambiguous(scene, models, objects[strongest], attempt.best)) {
+    if (was_ambiguous(scene, models, attempt.best)) {
       attempt.reason =
           failure(ResultCode::kPoseAmbiguous, "another pose fitted as well before; wait for a better view of the part")
               .error();
@@ -216,15 +206,10 @@ Result<void> Locator::fits_like_others(const result::Scene& scene, const Candida
                  candidate.evidence.rms_mm, usual_mm);
 }
 
-// Whether a search before this one found the pose ambiguous, or one that explains the object as well: a doubt does not
-// end because a search did not meet again what raised it.
-bool Locator::was_ambiguous(const result::Scene& scene, std::span<const PartModel> models, const Object& object,
+// By a search before this one, of whatever segment.
+bool Locator::was_ambiguous(const result::Scene& scene, std::span<const PartModel> models,
                             const Candidate& candidate) const {
-  const Attempt* before = book_.ambiguous_attempt(object);
-  if (before == nullptr) return false;
-  if (same_place(candidate, before->best, models[static_cast<std::size_t>(candidate.model_index)])) return true;
-  const result::Rivalry rivalry = contend(candidate, before->best, scene, models);
-  return rivalry.same_object() && !result::prevails(rivalry);
+  return book_.any_ambiguous([&](const Attempt& before) { return doubted(candidate, before, scene, models); });
 }
 
 // A part is there, though its pose cannot be told: no other part may be made of its surface.
@@ -252,7 +237,7 @@ std::optional<std::size_t> Locator::holder(const result::Scene& scene, std::span
 void Locator::contest(const result::Scene& scene, std::span<const PartModel> models, std::size_t held,
                       Attempt& attempt) {
   const Candidate& first = accepted_[held].candidate;
-  if (same_place(first, attempt.best, models[static_cast<std::size_t>(first.model_index)])) return;
+  if (same_pose(first, attempt.best, models[static_cast<std::size_t>(first.model_index)])) return;
   if (result::prevails(contend(first, attempt.best, scene, models))) return;
   attempt.reason = failure(ResultCode::kPoseAmbiguous,
                            "pieces of one object fit different poses as well; wait for a better view of the part")

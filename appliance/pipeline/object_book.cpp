@@ -202,14 +202,6 @@ const Attempt* ObjectBook::last_word(const Object& object) const {
   return e != nullptr && e->given_up && e->nearest.failed() ? &e->nearest : nullptr;
 }
 
-const Attempt* ObjectBook::ambiguous_attempt(const Object& object) const {
-  for (int i = 0; i < object.label_count; ++i) {
-    const Entry* e = entry(object.labels[i]);
-    if (e != nullptr && e->nearest.ambiguous()) return &e->nearest;
-  }
-  return nullptr;
-}
-
 std::size_t ObjectBook::withheld(std::span<WithheldObject> out) const {
   std::size_t count = 0;
   for (const Entry& e : entries_.first(entry_count_)) {

@@ -1,6 +1,7 @@
 // ObjectBook: which pixels no part explains yet, what is therefore to be searched next, and what came of it.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <span>
 
@@ -44,8 +45,13 @@ class ObjectBook {
   // That attempt, if no more will be tried with the object as it is; or null.
   [[nodiscard]] const Attempt* last_word(const Object& object) const;
 
-  // The ambiguous attempt at one of its segments, or null.
-  [[nodiscard]] const Attempt* ambiguous_attempt(const Object& object) const;
+  // Whether `doubts(attempt)` is true of an ambiguous attempt at any segment.
+  template <class Doubts>
+  [[nodiscard]] bool any_ambiguous(const Doubts& doubts) const {
+    const auto entries = entries_.first(entry_count_);
+    return std::any_of(entries.begin(), entries.end(),
+                       [&](const Entry& e) { return e.nearest.ambiguous() && doubts(e.nearest); });
+  }
 
   // Writes what remains unexplained, with its reason; returns how many.
   std::size_t withheld(std::span<WithheldObject> out) const;

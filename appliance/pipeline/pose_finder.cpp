@@ -4,6 +4,7 @@
 
 #include "base/units.hpp"
 #include "contract/result_codes.hpp"
+#include "pipeline/contest.hpp"
 #include "pipeline/neighbourhood.hpp"
 #include "pipeline/outline_pairs.hpp"
 #include "search/from_primitive.hpp"
@@ -124,12 +125,14 @@ Attempt PoseFinder::try_neighbourhoods(const Context& context) {
   return nearest;
 }
 
-// The first route that ends with a verified pose, or the one that came nearest to it.
+// The first route that ends with a verified pose, unless one before it has raised a doubt; or the one that came nearest.
 Attempt PoseFinder::try_routes(const Context& context) {
-  Attempt nearest;
+  Attempt nearest, doubt;
   for (const Effort route : {Effort::kPrimitives, Effort::kPlanes, Effort::kViews}) {
     const Attempt attempt = try_route(context, route);
-    if (attempt.verified) return attempt;
+    if (attempt.verified)
+      return doubt.ambiguous() && doubted(attempt.best, doubt, context.scene, context.models) ? doubt : attempt;
+    if (attempt.ambiguous() && attempt.nearer_than(doubt)) doubt = attempt;
     if (attempt.nearer_than(nearest)) nearest = attempt;
   }
   return nearest;
@@ -212,29 +215,43 @@ void PoseFinder::shortlist(const Context& context, int model_index, Effort route
   std::array<Hypothesis, kMaxShortlist> hypotheses;
   const std::size_t count = pool.take_distinct(model, 0.04 * model.diagonal_mm, rad_from_deg(12.0),
                                                std::span(hypotheses).first(breadth.shortlist));
-  const auto stages = coarse_stages(model);
-  const auto sample = this->sample().first(std::min(sample_count_, kCoarseSample));
   std::array<Candidate, kMaxShortlist> tried;
-  std::size_t distinct = 0;
-  for (std::size_t i = 0; i < count; ++i) {
-    Candidate candidate;
-    candidate.model_index = model_index;
-    candidate.hypothesis = hypotheses[i];
-    candidate.alignment =
-        icp::align(sample, model, hypotheses[i].T_camera_part, stages, icp::Noise{context.scene.noise_mm});
-    const auto end = tried.begin() + static_cast<std::ptrdiff_t>(distinct);
-    const auto before =
-        std::find_if(tried.begin(), end, [&](const Candidate& c) { return same_place(candidate, c, model); });
-    candidate.impression = before != end ? before->impression : impression(context, candidate).score;
-    if (trace_ != nullptr) trace_->aligned_coarsely(candidate);
-    if (before == end) tried[distinct++] = candidate;
-  }
+  const std::size_t distinct =
+      align_coarsely(context, model_index, std::span<const Hypothesis>(hypotheses).first(count), tried);
   const auto most = std::min({distinct, breadth.full, static_cast<std::size_t>(kMaxCandidates - candidate_count_)});
   std::partial_sort(tried.begin(), tried.begin() + static_cast<std::ptrdiff_t>(most),
                     tried.begin() + static_cast<std::ptrdiff_t>(distinct),
                     [](const Candidate& a, const Candidate& b) { return a.impression > b.impression; });
   std::copy_n(tried.begin(), most, candidates_.begin() + candidate_count_);
   candidate_count_ += static_cast<int>(most);
+}
+
+// Writes where the hypotheses end, those that meet one before them left out; returns how many do not.
+std::size_t PoseFinder::align_coarsely(const Context& context, int model_index, std::span<const Hypothesis> hypotheses,
+                                       std::span<Candidate> ends) const {
+  const PartModel& model = context.models[static_cast<std::size_t>(model_index)];
+  const auto stages = coarse_stages(model);
+  const auto sample = this->sample().first(std::min(sample_count_, kCoarseSample));
+  std::array<Candidate, kMaxShortlist> halfway;
+  std::size_t distinct_halfway = 0, distinct = 0;
+  const auto met_before = [&](std::span<const Candidate> others, const Candidate& one) {
+    return std::any_of(others.begin(), others.end(), [&](const Candidate& c) { return same_place(one, c, model); });
+  };
+  for (const Hypothesis& hypothesis : hypotheses) {
+    Candidate candidate;
+    candidate.model_index = model_index;
+    candidate.hypothesis = hypothesis;
+    candidate.alignment = icp::approach(sample, model, hypothesis.T_camera_part, std::span(stages).first<1>());
+    if (met_before(std::span(halfway).first(distinct_halfway), candidate)) continue;
+    halfway[distinct_halfway++] = candidate;
+    candidate.alignment =
+        icp::approach(sample, model, candidate.alignment.T_camera_part, std::span(stages).last<1>());
+    if (met_before(ends.first(distinct), candidate)) continue;
+    candidate.impression = impression(context, candidate).score;
+    if (trace_ != nullptr) trace_->aligned_coarsely(candidate);
+    ends[distinct++] = candidate;
+  }
+  return distinct;
 }
 
 // Aligns what is listed with the whole sample and weighs what then still makes an impression; the best of it always, to
@@ -288,8 +305,7 @@ void PoseFinder::align_fully(const Context& context, Candidate& candidate) {
   const PartModel& model = context.models[static_cast<std::size_t>(candidate.model_index)];
   const auto stages = full_stages(model, result::surface_tolerance_mm(context.scene, model.spacing_mm));
   candidate.finished = false;
-  candidate.alignment =
-      icp::align(sample(), model, candidate.alignment.T_camera_part, stages, icp::Noise{context.scene.noise_mm});
+  candidate.alignment = icp::approach(sample(), model, candidate.alignment.T_camera_part, stages);
 }
 
 // Unless it is what was drawn last.

@@ -79,9 +79,14 @@ std::optional<Motion> loosest_freedom(const Alignment& alignment, const PartMode
   return freedoms.motion.col(0);
 }
 
-double asked_shift_mm(const Alignment& alignment, const PartModel& model, std::span<const icp::OutlinePair> ends) {
+bool held_by_outline(const Alignment& alignment, const PartModel& model) {
   const Freedoms freedoms = freedoms_at_rim(alignment, model);
-  if (freedoms.loose() < 2 || freedoms.sigma_mm[0] < kSlack_mm) return 0.0;
+  return freedoms.loose() >= 2 && freedoms.sigma_mm[0] >= kSlack_mm;
+}
+
+double asked_shift_mm(const Alignment& alignment, const PartModel& model, std::span<const icp::OutlinePair> ends) {
+  if (!held_by_outline(alignment, model)) return 0.0;
+  const Freedoms freedoms = freedoms_at_rim(alignment, model);
   const Eigen::Matrix<double, 6, kAsked> along = freedoms.motion.leftCols<kAsked>();
   const Vec3 centre_mm = alignment.T_camera_part * model.centre_mm;
   Vec3 asked_mm = Vec3::Zero();

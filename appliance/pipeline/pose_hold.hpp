@@ -23,10 +23,12 @@ bool determined(const Alignment& alignment, const PartModel& model);
 // symmetry makes no difference of do not count. Nothing where all are held firmly.
 std::optional<Motion> loosest_freedom(const Alignment& alignment, const PartModel& model);
 
-// How far, in mm at the part's rim, `ends` ask the pose to move along the freedoms that are held by little but the
-// outline, those held firmly left out; 0 where fewer than two are, or the loosest is not slack. A part that slides one
-// way alone is told by `determined`; one that may also slide or turn another way is held by the ends all round alone,
-// and wrongly where many of them are those of shadows.
+// Whether little but the outline holds the part in two freedoms or more. A part that slides one way alone is told by
+// `determined`; one that may also slide or turn another way is held by the ends all round alone, and wrongly where many
+// of them are those of shadows.
+bool held_by_outline(const Alignment& alignment, const PartModel& model);
+
+// How far, in mm at the part's rim, `ends` ask the pose to move along those freedoms; 0 where the surface holds the part.
 double asked_shift_mm(const Alignment& alignment, const PartModel& model, std::span<const icp::OutlinePair> ends);
 
 // The covariance of `other`, a pose that looks the same, from that of `pose`: it counts motions about another centre.

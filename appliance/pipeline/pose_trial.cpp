@@ -225,10 +225,13 @@ bool PoseFinder::far_behind(const Context& context, const Candidate& other, cons
   return rivalry.both + rivalry.only_second < gate.explained * (rivalry.both + rivalry.only_first);
 }
 
-// Finishes a pose that was aligned, unless it falls too far behind on the way. Returns whether it was finished.
+// Finishes a pose that was aligned, unless it falls too far behind on the way, or meets the champion. Returns whether it
+// was finished.
 bool PoseFinder::finish_challenger(const Context& context, const Candidate& champion, Candidate& other) {
   if (far_behind(context, other, champion, kAligned)) return false;
   if (!align_in_sight(context, other, kOff) || far_behind(context, other, champion, kInSight)) return false;
+  if (!align_in_sight(context, other, kNear) || far_behind(context, other, champion, kNearby)) return false;
+  if (same_pose(other, champion, context.models[static_cast<std::size_t>(champion.model_index)])) return false;
   finish_closely(context, other);
   return true;
 }
@@ -238,21 +241,25 @@ bool PoseFinder::finish_challenger(const Context& context, const Candidate& cham
 void PoseFinder::add_challenger(const Context& context, const Candidate& champion, Candidate& other) {
   if (candidate_count_ == kMaxCandidates) return;
   const PartModel& model = context.models[static_cast<std::size_t>(champion.model_index)];
-  if (same_place(other, champion, model)) return;
+  if (same_pose(other, champion, model)) return;
   align_fully(context, other);
-  if (same_place(other, champion, model)) return;
+  if (same_pose(other, champion, model)) return;
   if (champion.evidence.blemishes.any()) {
     finish(context, other);
   } else if (!finish_challenger(context, champion, other)) {
     return;
   }
-  if (same_place(other, champion, model)) return;
+  if (same_pose(other, champion, model)) return;
   candidates_[static_cast<std::size_t>(candidate_count_++)] = other;
 }
 
 Result<void> PoseFinder::trial(const Context& context, const Candidate& champion, int index) {
   const auto verdict = plain_verdict(context, champion);
   if (!verdict) return verdict;
+  if (!champion.finished) {
+    return failure(ResultCode::kCoverageTooLow,
+                   "too little was measured where the part is in sight to align it; hidden, shiny, or a foreign object");
+  }
   const PartModel& model = context.models[static_cast<std::size_t>(champion.model_index)];
   if (!determined(champion.alignment, model)) {
     return failure(ResultCode::kPoseAmbiguous,
@@ -269,11 +276,14 @@ bool PoseFinder::beats_rivals(const Context& context, const Candidate& champion,
   int finished = 0;
   for (int i = 0; i < candidate_count_ && finished < kFinishedRivals; ++i) {
     Candidate rival = candidates_[static_cast<std::size_t>(i)];
-    if (i == index || hopeless(rival, champion, context.models) || same_place(champion, rival, model)) continue;
+    if (i == index || hopeless(rival, champion, context.models)) continue;
     // Small differences decide: both must be aligned as well as can be.
-    if (!rival.finished) finish(context, rival);
+    if (!rival.finished) {
+      if (same_place(champion, rival, model)) continue;  // and would end where the champion did
+      finish(context, rival);
+    }
     ++finished;
-    if (hopeless(rival, champion, context.models) || same_place(champion, rival, model)) continue;
+    if (hopeless(rival, champion, context.models) || same_pose(champion, rival, model)) continue;
     if (rival.evidence.blemishes.any()) continue;
     const auto& other = context.models[static_cast<std::size_t>(rival.model_index)];
     const result::Rivalry rivalry = result::compare({model, champion.alignment.T_camera_part},
@@ -316,6 +326,7 @@ bool PoseFinder::beats_mirror_image(const Context& context, const Candidate& cha
 // Asks the ends of the outline that are certain; those that may be the edges of shadows are left out.
 Result<void> PoseFinder::outline_agrees(const Context& context, const Candidate& champion) {
   const PartModel& model = context.models[static_cast<std::size_t>(champion.model_index)];
+  if (!held_by_outline(champion.alignment, model)) return {};
   const result::PartPose& pose = champion.alignment.T_camera_part;
   draw(context, champion, Detail::kFine);
   const double reach_mm =

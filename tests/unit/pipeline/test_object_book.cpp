@@ -142,7 +142,7 @@ TEST_CASE("what a found part leaves of an object is searched from the beginning,
   CHECK(book.made.next_round(sheet.scene, 20.0).empty());
 }
 
-TEST_CASE("an ambiguous attempt at any piece of an object is remembered while the object is as it was") {
+TEST_CASE("an ambiguous attempt at any segment is remembered") {
   Sheet sheet;
   sheet.add(0, 0, 40, 60);
   sheet.add(50, 0, 40, 60);
@@ -150,13 +150,12 @@ TEST_CASE("an ambiguous attempt at any piece of an object is remembered while th
   book.made.begin(sheet.scene, sheet.segments, kSmallestView_mm2);
   const auto objects = book.made.next_round(sheet.scene, 20.0);
   REQUIRE(objects.size() == 2);
-  Object both;
-  for (const Segment& segment : sheet.segments) both.add(segment);
+  const auto any = [](const Attempt&) { return true; };
+  const auto weak = [](const Attempt& attempt) { return attempt.best.strength < 0.4; };
   const Object first = objects[0], second = objects[1];
-  CHECK(book.made.ambiguous_attempt(both) == nullptr);
-  book.made.failed(first, withheld(ResultCode::kCoverageTooLow));
-  book.made.failed(second, withheld(ResultCode::kPoseAmbiguous, Stage::kVerify, 0.3));
-  CHECK(book.made.ambiguous_attempt(first) == nullptr);
-  REQUIRE(book.made.ambiguous_attempt(both) != nullptr);
-  CHECK(book.made.ambiguous_attempt(both)->best.strength == 0.3);
+  book.made.failed(first, withheld(ResultCode::kCoverageTooLow, Stage::kVerify, 0.3));
+  CHECK_FALSE(book.made.any_ambiguous(any));
+  book.made.failed(second, withheld(ResultCode::kPoseAmbiguous, Stage::kVerify, 0.5));
+  CHECK(book.made.any_ambiguous(any));
+  CHECK_FALSE(book.made.any_ambiguous(weak));
 }

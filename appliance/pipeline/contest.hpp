@@ -1,0 +1,23 @@
+// Two poses that were each believed, or nearly: do they claim the same object, and which one is it?
+#pragma once
+
+#include <span>
+
+#include "contract/part_model.hpp"
+#include "pipeline/attempt.hpp"
+#include "result/rivalry.hpp"
+#include "result/scene.hpp"
+
+namespace beltpick::pipeline {
+
+// What of the image each of two poses explains, counted on every fourth row and column.
+result::Rivalry contend(const Candidate& a, const Candidate& b, const result::Scene& scene,
+                        std::span<const PartModel> models);
+
+// Whether a pose found ambiguous in an earlier search lets `candidate` be doubted: it is the same one, or explains the
+// same surface as well. A doubt does not end because a later search did not meet again what raised it; but whether what
+// is in view holds the part, each search sees for itself.
+bool doubted(const Candidate& candidate, const Attempt& ambiguous, const result::Scene& scene,
+             std::span<const PartModel> models);
+
+}  // namespace beltpick::pipeline
