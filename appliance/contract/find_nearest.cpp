@@ -42,21 +42,35 @@ BELTPICK_KERNEL void find_cells(const PointBlock& at, const Cells& c, std::size_
 
 }  // namespace
 
-void find_nearest(const PartModel& model, const PointBlock& at_part, int count, PointBlock& nearest) {
-  if (model.tree != nullptr) {
-    for (int i = 0; i < count; ++i) {
-      const auto k = static_cast<std::size_t>(i);
-      nearest.put(model.surface[model.tree->nearest({at_part.x[k], at_part.y[k], at_part.z[k]})], i);
-    }
-  } else {
-    alignas(64) std::array<int, PointBlock::kSize> cell;
-    find_cells(at_part, Cells(model.grid), static_cast<std::size_t>(PointBlock::whole_steps(count)), cell.data());
-    // All indices first: they come from far memory, and so they are waited for together.
-    std::array<std::uint16_t, PointBlock::kSize> index;
-    for (std::size_t k = 0; k < static_cast<std::size_t>(count); ++k) index[k] = model.grid.at_cell(cell[k]);
-    for (int i = 0; i < count; ++i) nearest.put(model.surface[index[static_cast<std::size_t>(i)]], i);
+void NearestQuery::begin(const PartModel& model, const PointBlock& at_part, int count) {
+  if (model.tree != nullptr) return;
+  find_cells(at_part, Cells(model.grid), static_cast<std::size_t>(PointBlock::whole_steps(count)), cell_.data());
+  for (std::size_t k = 0; k < static_cast<std::size_t>(count); ++k) model.grid.will_ask(cell_[k]);
+}
+
+void NearestQuery::go_on(const PartModel& model, int count) {
+  if (model.tree != nullptr) return;
+  for (std::size_t k = 0; k < static_cast<std::size_t>(count); ++k) {
+    index_[k] = model.grid.at_cell(cell_[k]);
+    __builtin_prefetch(&model.surface[index_[k]]);
+  }
+}
+
+void NearestQuery::finish(const PartModel& model, const PointBlock& at_part, int count, PointBlock& nearest) const {
+  for (int i = 0; i < count; ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    const std::size_t index =
+        model.tree == nullptr ? index_[k] : model.tree->nearest({at_part.x[k], at_part.y[k], at_part.z[k]});
+    nearest.put(model.surface[index], i);
   }
   nearest.fill_up(count);
+}
+
+void find_nearest(const PartModel& model, const PointBlock& at_part, int count, PointBlock& nearest) {
+  NearestQuery query;
+  query.begin(model, at_part, count);
+  query.go_on(model, count);
+  query.finish(model, at_part, count, nearest);
 }
 
 }  // namespace beltpick

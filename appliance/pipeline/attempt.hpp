@@ -18,9 +18,10 @@ namespace beltpick::pipeline {
 enum class Effort : std::uint8_t {
   kPrimitives,      // what the object's cylinders and spheres suggest
   kPlanes,          // what one face suggests
+  kPieces,          // both, on the object and those next to it: shadows may have cut one part into pieces
   kViews,           // every view of the part
-  kNeighbourhoods,  // all three, on what lies close together: an object may be several parts
-  kAll,             // all four in turn
+  kNeighbourhoods,  // by primitives, faces and views, what lies close together: an object may be several parts
+  kAll,             // all that in turn, on the object and those next to it
 };
 
 // A pose on trial.
@@ -45,10 +46,10 @@ inline bool same_place(const Candidate& a, const Candidate& b, const PartModel& 
   return d.translation_mm < kSamePlaceShare * model.diagonal_mm && d.rotation_rad < kSameTurn_rad;
 }
 
-// Poses that differ less are the same to a robot, which is promised a millimetre and a degree. Two alignments of one
-// part that end further apart disagree, though they have found the same place.
-inline constexpr double kSamePose_mm = 0.5;
-inline constexpr double kSamePose_rad = rad_from_deg(0.5);
+// A robot is promised a millimetre and a degree: of two poses that differ less than this either will do, if one of them
+// is right. Alignments of one part that end further apart disagree, though they have found the same place.
+inline constexpr double kSamePose_mm = 0.8;
+inline constexpr double kSamePose_rad = rad_from_deg(0.8);
 
 inline bool same_pose(const Candidate& a, const Candidate& b, const PartModel& model) {
   if (a.model_index != b.model_index) return false;

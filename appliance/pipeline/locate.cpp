@@ -17,9 +17,9 @@
 namespace beltpick::pipeline {
 namespace {
 
-// Every effort for whole objects and for fragments makes nine rounds; parts lean on one another a few deep, and each
+// Every effort for whole objects and for fragments makes eleven rounds; parts lean on one another a few deep, and each
 // round that uncovers one begins anew.
-constexpr int kRounds = 24;
+constexpr int kRounds = 28;
 // Pieces of one part lie no farther apart than this share of its size.
 constexpr double kFragmentReachShare = 0.12;
 // A pose that explains a smaller share of the part may fit worse than others by this factor. Of 1,050 right ones of

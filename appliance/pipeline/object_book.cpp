@@ -118,37 +118,45 @@ std::span<const Object> ObjectBook::next_round(const result::Scene& scene, doubl
     renew(e);
     if (!e.given_up) first = std::min(first, turn(e));
   }
-  for (const Entry& e : entries) {
+  for (Entry& e : entries) {
     if (e.given_up || turn(e) != first) continue;
     effort_ = e.next;
-    objects_[object_count_] = {};
-    objects_[object_count_++].add(e.segment);
+    if (effort_ == Effort::kPieces) {
+      e.next = Effort::kViews;
+      add_joined(e, reach_mm, [](const Entry& other) { return !other.given_up || other.nearest.failed(); });
+    } else {
+      objects_[object_count_] = {};
+      objects_[object_count_++].add(e.segment);
+    }
   }
-  if (object_count_ == 0) join_neighbours(reach_mm);
+  if (object_count_ > 0) return objects_.first(object_count_);
+  if (first < std::numeric_limits<int>::max()) return next_round(scene, reach_mm);  // no piece had another next to it
+  join_failed(reach_mm);
   return objects_.first(object_count_);
 }
 
-// A part that shadows cut into pieces: pieces that found nothing, together with those next to them.
-void ObjectBook::join_neighbours(double reach_mm) {
+// What found nothing, together with what found nothing next to it.
+void ObjectBook::join_failed(double reach_mm) {
   effort_ = Effort::kAll;
   for (Entry& e : entries_.first(entry_count_)) {
     if (e.joined || !e.nearest.failed() || e.segment.pixels == 0) continue;
     e.joined = true;
-    const Object object = with_neighbours(e, reach_mm);
-    if (object.label_count > 1 && !searched_already(object)) objects_[object_count_++] = object;
+    add_joined(e, reach_mm, [](const Entry& other) { return other.nearest.failed(); });
   }
 }
 
-Object ObjectBook::with_neighbours(const Entry& seed, double reach_mm) const {
+// A new object of the seed and those next to it that belong, if there are any, and it is none of this round's yet.
+template <class Belongs>
+void ObjectBook::add_joined(const Entry& seed, double reach_mm, const Belongs& belongs) {
   const double pitch_mm = std::sqrt(seed.area_mm2 / seed.segment.pixels);
   const int reach_px = static_cast<int>(reach_mm / pitch_mm);
   Object object;
   object.add(seed.segment);
   for (const Entry& other : entries_.first(entry_count_)) {
-    if (&other == &seed || !other.nearest.failed() || other.segment.pixels == 0) continue;
+    if (&other == &seed || !belongs(other) || other.segment.pixels == 0) continue;
     if (near(seed.segment, other.segment, reach_px)) object.add(other.segment);
   }
-  return object;
+  if (object.label_count > 1 && !searched_already(object)) objects_[object_count_++] = object;
 }
 
 // The same pieces, begun with another one.
@@ -181,13 +189,15 @@ void ObjectBook::explain(const result::Scene& scene, const PartModel& model, con
 }
 
 void ObjectBook::failed(const Object& object, const Attempt& attempt) {
-  for (int i = 0; i < object.label_count; ++i) {
+  // Pieces were joined for the first one's sake; the others have had no search of their own yet, or will.
+  const int meant = effort_ == Effort::kPieces ? 1 : object.label_count;
+  for (int i = 0; i < meant; ++i) {
     Entry* e = entry(object.labels[i]);
     if (e == nullptr) continue;
     // What is left of a part with an ambiguous pose adds nothing.
     const bool known = e->claimed || (e->given_up && e->nearest.ambiguous());
     if (!known && attempt.failed() && attempt.nearer_than(e->nearest)) e->nearest = attempt;
-    if (effort_ == Effort::kAll) continue;
+    if (effort_ == Effort::kAll || effort_ == Effort::kPieces) continue;
     const bool hopeless = attempt.reason.code == ResultCode::kObjectTooSmall ||
                           attempt.reason.code == ResultCode::kDuplicatePose || effort_ == Effort::kNeighbourhoods;
     // Neighbourhoods help where a pose was found that is not quite right: between two parts.

@@ -74,8 +74,9 @@ class ObjectBook {
   void recount(const result::Scene& scene);
   void renew(Entry& entry) const;
   [[nodiscard]] int turn(const Entry& entry) const;
-  void join_neighbours(double reach_mm);
-  [[nodiscard]] Object with_neighbours(const Entry& seed, double reach_mm) const;
+  void join_failed(double reach_mm);
+  template <class Belongs>
+  void add_joined(const Entry& seed, double reach_mm, const Belongs& belongs);
   [[nodiscard]] bool searched_already(const Object& object) const;
   Entry* entry(std::uint16_t label);
   [[nodiscard]] const Entry* entry(std::uint16_t label) const;

@@ -50,6 +50,8 @@ double strength(const result::Evidence& e) {
 constexpr int kNeighbourhoods = 3;
 constexpr double kNeighbourhoodShare = 0.4;  // of the largest part's diagonal
 
+constexpr std::array<Effort, 3> kRoutes{Effort::kPrimitives, Effort::kPlanes, Effort::kViews};
+
 double largest_diagonal_mm(std::span<const PartModel> models) {
   double largest = 0.0;
   for (const PartModel& model : models) largest = std::max(largest, model.diagonal_mm);
@@ -97,8 +99,9 @@ Attempt PoseFinder::find(const result::Scene& scene, ImageView<const std::uint16
     return attempt;
   }
   if (effort == Effort::kNeighbourhoods) return try_neighbourhoods(context);
+  if (effort == Effort::kPieces) return try_routes(context, std::span(kRoutes).first<2>());
   if (effort != Effort::kAll) return try_route(context, effort);
-  const Attempt whole = try_routes(context);
+  const Attempt whole = try_routes(context, kRoutes);
   if (whole.verified || whole.stage != Stage::kVerify || whole.ambiguous()) return whole;
   const Attempt part = try_neighbourhoods(context);
   return part.verified ? part : whole;
@@ -116,7 +119,7 @@ Attempt PoseFinder::try_neighbourhoods(const Context& context) {
     sample_count_ = neighbourhood.count;
     if (sample_count_ == all) break;  // the object is no larger than that
     if (sample_count_ >= kLeastSample) {
-      const Attempt part = try_routes(context);
+      const Attempt part = try_routes(context, kRoutes);
       if (part.verified) return part;
       if (part.nearer_than(nearest)) nearest = part;
     }
@@ -126,9 +129,9 @@ Attempt PoseFinder::try_neighbourhoods(const Context& context) {
 }
 
 // The first route that ends with a verified pose, unless one before it has raised a doubt; or the one that came nearest.
-Attempt PoseFinder::try_routes(const Context& context) {
+Attempt PoseFinder::try_routes(const Context& context, std::span<const Effort> routes) {
   Attempt nearest, doubt;
-  for (const Effort route : {Effort::kPrimitives, Effort::kPlanes, Effort::kViews}) {
+  for (const Effort route : routes) {
     const Attempt attempt = try_route(context, route);
     if (attempt.verified)
       return doubt.ambiguous() && doubted(attempt.best, doubt, context.scene, context.models) ? doubt : attempt;

@@ -76,10 +76,11 @@ class PoseFinder {
   // Of 100 poses that in the end rivalled the champion, or were stronger, none had less than
   static constexpr Gate kAligned{0.6, 0.25};   // (0.75, 0.17) with the object's sample,
   static constexpr Gate kInSight{0.75, 0.12};  // (0.82, 0.09) with all that is measured where it is in sight,
-  static constexpr Gate kNearby{0.82, 0.05};   // (0.836, 0.02) and after another look; of the others two of three had.
+  static constexpr Gate kNearby{0.82, 0.05};   // (0.836, 0.02) and after another look, of the others two of three;
+  static constexpr Gate kLosing{0.95, 0.05};   // and none of the weaker ones less than this (0.958, 0.03).
 
   Attempt try_route(const Context& context, Effort route);
-  Attempt try_routes(const Context& context);
+  Attempt try_routes(const Context& context, std::span<const Effort> routes);
   Attempt try_neighbourhoods(const Context& context);
   void collect(const Context& context, int model_index, Effort route);
   [[nodiscard]] search::SearchInput search_input(const PartModel& model) const;
@@ -98,6 +99,7 @@ class PoseFinder {
   void draw(const Context& context, const Candidate& candidate, Detail detail);
   void weigh(const Context& context, Candidate& candidate, Detail detail);
   void finish(const Context& context, Candidate& candidate);
+  bool loses(const Context& context, const Candidate& champion, Candidate& other);
   bool finish_challenger(const Context& context, const Candidate& champion, Candidate& other);
   void finish_closely(const Context& context, Candidate& candidate);
   bool align_in_sight(const Context& context, Candidate& candidate, const Look& look);

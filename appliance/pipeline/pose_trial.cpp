@@ -225,6 +225,13 @@ bool PoseFinder::far_behind(const Context& context, const Candidate& other, cons
   return rivalry.both + rivalry.only_second < gate.explained * (rivalry.both + rivalry.only_first);
 }
 
+// Whether a pose that was aligned in sight is the weaker one and stays behind when looked at once more.
+bool PoseFinder::loses(const Context& context, const Candidate& champion, Candidate& other) {
+  weigh(context, other, Detail::kCoarse);
+  if (other.strength >= champion.strength || !far_behind(context, other, champion, kLosing)) return false;
+  return !align_in_sight(context, other, kNear) || far_behind(context, other, champion, kLosing);
+}
+
 // Finishes a pose that was aligned, unless it falls too far behind on the way, or meets the champion. Returns whether it
 // was finished.
 bool PoseFinder::finish_challenger(const Context& context, const Candidate& champion, Candidate& other) {
@@ -232,6 +239,7 @@ bool PoseFinder::finish_challenger(const Context& context, const Candidate& cham
   if (!align_in_sight(context, other, kOff) || far_behind(context, other, champion, kInSight)) return false;
   if (!align_in_sight(context, other, kNear) || far_behind(context, other, champion, kNearby)) return false;
   if (same_pose(other, champion, context.models[static_cast<std::size_t>(champion.model_index)])) return false;
+  if (loses(context, champion, other)) return false;
   finish_closely(context, other);
   return true;
 }
@@ -280,7 +288,7 @@ bool PoseFinder::beats_rivals(const Context& context, const Candidate& champion,
     // Small differences decide: both must be aligned as well as can be.
     if (!rival.finished) {
       if (same_place(champion, rival, model)) continue;  // and would end where the champion did
-      finish(context, rival);
+      if (!finish_challenger(context, champion, rival)) continue;
     }
     ++finished;
     if (hopeless(rival, champion, context.models) || same_pose(champion, rival, model)) continue;

@@ -17,6 +17,7 @@ PartPose placed(const Mat3& rotation, const Vec3& of_part, const Vec3& to_camera
 }
 
 int search_cylinder(const SearchInput& input, const Primitive& taught, const Primitive& found, HypothesisPool& pool) {
+  Trials trials(input, pool);
   const double step = input.model.shift_step_mm;
   const int turns = turn_count(input.model);
   // What is seen lies on the taught length, give or take a quarter of both for ends measured badly.
@@ -26,7 +27,7 @@ int search_cylinder(const SearchInput& input, const Primitive& taught, const Pri
     for (int turn = 0; turn < turns; ++turn) {
       const Mat3 rotation = rotation_onto(flip * taught.direction, found.direction, 2.0 * kPi * turn / turns);
       for (int shift = -shifts; shift <= shifts; ++shift) {
-        consider(input, placed(rotation, taught.point_mm, found.point_mm + shift * step * found.direction), pool);
+        trials.add(placed(rotation, taught.point_mm, found.point_mm + shift * step * found.direction));
       }
     }
   }
@@ -34,6 +35,7 @@ int search_cylinder(const SearchInput& input, const Primitive& taught, const Pri
 }
 
 int search_plane(const SearchInput& input, const Primitive& taught, const Primitive& found, HypothesisPool& pool) {
+  Trials trials(input, pool);
   const double step = input.model.face_step_mm;
   const int shifts = static_cast<int>(std::ceil(kFaceReachShare * input.model.diagonal_mm / step - 1e-6));
   const int turns = turn_count(input.model);
@@ -43,7 +45,7 @@ int search_plane(const SearchInput& input, const Primitive& taught, const Primit
     const Mat3 rotation = rotation_onto(taught.direction, found.direction, 2.0 * kPi * turn / turns);
     for (int i = -shifts; i <= shifts; ++i) {
       for (int j = -shifts; j <= shifts; ++j) {
-        consider(input, placed(rotation, taught.point_mm, found.point_mm + step * (i * u + j * v)), pool);
+        trials.add(placed(rotation, taught.point_mm, found.point_mm + step * (i * u + j * v)));
       }
     }
   }
@@ -51,11 +53,12 @@ int search_plane(const SearchInput& input, const Primitive& taught, const Primit
 }
 
 int search_sphere(const SearchInput& input, const Primitive& taught, const Primitive& found, HypothesisPool& pool) {
+  Trials trials(input, pool);
   const int turns = turn_count(input.model);
   for (const Vec3& direction : view_directions()) {
     for (int turn = 0; turn < turns; ++turn) {
       const Mat3 rotation = rotation_onto(direction, Vec3::UnitZ(), 2.0 * kPi * turn / turns);
-      consider(input, placed(rotation, taught.point_mm, found.point_mm), pool);
+      trials.add(placed(rotation, taught.point_mm, found.point_mm));
     }
   }
   return PartModel::kViews * turns;
@@ -75,12 +78,6 @@ bool may_match(const Primitive& taught, const Primitive& found) {
   if (taught.kind == PrimitiveKind::kPlane) return true;
   const double tolerance_mm = 0.5 + 0.05 * taught.radius_mm;
   return taught.concave == found.concave && std::abs(taught.radius_mm - found.radius_mm) < tolerance_mm;
-}
-
-void consider(const SearchInput& input, const PartPose& T_camera_part, HypothesisPool& pool) {
-  const float bar = pool.bar_mm();
-  const float mean = mean_distance_mm(input.sample, input.model, T_camera_part, input.cap_mm, bar);
-  if (mean < bar) pool.offer({T_camera_part, mean});
 }
 
 int search_from_primitive(const SearchInput& input, const Primitive& taught, const Primitive& found,

@@ -1,21 +1,12 @@
 // Exhaustive search over the freedoms that a matched primitive leaves (the paper's section 3.3).
 #pragma once
 
-#include <span>
-
 #include "base/stages.hpp"
 #include "contract/part_model.hpp"
 #include "search/hypothesis_pool.hpp"
-#include "search/quality.hpp"
+#include "search/trials.hpp"
 
 namespace beltpick::search {
-
-// What every way of searching needs.
-struct SearchInput {
-  const PartModel& model;
-  SearchSample sample;  // of the object, about 100 points
-  float cap_mm;         // of the distances in Q
-};
 
 // Assumes that `found` (camera frame) is the part's `taught` primitive (part frame) and tries what is then still free:
 //   cylinder: flip x turns about the axis x shifts along it that keep the two lengths overlapping
@@ -31,9 +22,6 @@ int turn_count(const PartModel& model);
 
 // Whether `found` may be `taught`: the same kind and side, the radius within its tolerance.
 bool may_match(const Primitive& taught, const Primitive& found);
-
-// Puts the hypothesis to the test and, if it is good enough, into the pool.
-void consider(const SearchInput& input, const PartPose& T_camera_part, HypothesisPool& pool);
 
 // A rotation that takes the unit vector `from` to the unit vector `to`, and `turn_rad` about `to` after that.
 Mat3 rotation_onto(const Vec3& from, const Vec3& to, double turn_rad);

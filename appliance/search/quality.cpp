@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "base/kernel.hpp"
-#include "contract/find_nearest.hpp"
 
 namespace beltpick::search {
 namespace {
@@ -45,19 +44,36 @@ SearchSample::SearchSample(std::span<const OrientedPoint> points)
   for (const OrientedPoint& point : used) centroid_mm_ += point.point_mm.cast<double>() / count_;
 }
 
-float mean_distance_mm(const SearchSample& sample, const PartModel& model, const PartPose& T_camera_part, float cap_mm,
-                       float give_up_mm) {
-  const FastMotion into_part(T_camera_part.inverse());
+void QualityQuery::begin(const SearchSample& sample, const PartModel& model, const PartPose& T_camera_part) {
+  into_part_ = FastMotion(T_camera_part.inverse());
+  move_points(sample.portion(0), into_part_, sample.count_of(0), at_);
+  nearest_.begin(model, at_, sample.count_of(0));
+}
+
+void QualityQuery::go_on(const SearchSample& sample, const PartModel& model) {
+  nearest_.go_on(model, sample.count_of(0));
+}
+
+float QualityQuery::finish(const SearchSample& sample, const PartModel& model, float cap_mm, float give_up_mm) {
   const float give_up_sum = give_up_mm * static_cast<float>(sample.count());
-  PointBlock at, near;
-  float sum = 0.0F;
-  for (int i = 0; i < sample.portions() && sum <= give_up_sum; ++i) {
+  PointBlock near;
+  nearest_.finish(model, at_, sample.count_of(0), near);
+  float sum = sum_of_portion(at_, near, cap_mm, sample.count_of(0));
+  for (int i = 1; i < sample.portions() && sum <= give_up_sum; ++i) {
     const int count = sample.count_of(i);
-    move_points(sample.portion(i), into_part, count, at);
-    find_nearest(model, at, count, near);
-    sum += sum_of_portion(at, near, cap_mm, count);
+    move_points(sample.portion(i), into_part_, count, at_);
+    find_nearest(model, at_, count, near);
+    sum += sum_of_portion(at_, near, cap_mm, count);
   }
   return sum / static_cast<float>(sample.count());
+}
+
+float mean_distance_mm(const SearchSample& sample, const PartModel& model, const PartPose& T_camera_part, float cap_mm,
+                       float give_up_mm) {
+  QualityQuery query;
+  query.begin(sample, model, T_camera_part);
+  query.go_on(sample, model);
+  return query.finish(sample, model, cap_mm, give_up_mm);
 }
 
 }  // namespace beltpick::search

@@ -7,6 +7,7 @@
 
 #include "base/point_block.hpp"
 #include "base/pose.hpp"
+#include "contract/find_nearest.hpp"
 #include "contract/part_model.hpp"
 
 namespace beltpick::search {
@@ -39,5 +40,18 @@ class SearchSample {
 // Gives up, returning more than `give_up_mm`, once the mean is sure to exceed that.
 float mean_distance_mm(const SearchSample& sample, const PartModel& model, const PartPose& T_camera_part, float cap_mm,
                        float give_up_mm);
+
+// The same in three steps, so that whoever tries several poses at once need not wait for each one's memory.
+class QualityQuery {
+ public:
+  void begin(const SearchSample& sample, const PartModel& model, const PartPose& T_camera_part);
+  void go_on(const SearchSample& sample, const PartModel& model);
+  float finish(const SearchSample& sample, const PartModel& model, float cap_mm, float give_up_mm);
+
+ private:
+  FastMotion into_part_{PartPose{}};
+  PointBlock at_;  // the portion
+  NearestQuery nearest_;
+};
 
 }  // namespace beltpick::search

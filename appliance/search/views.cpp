@@ -131,10 +131,11 @@ int search_views(const SearchInput& input, HypothesisPool& pool) {
   const Vec3& centroid = input.sample.centroid_mm();
   const Vec3 sight = centroid.normalized();
   const int turns = turn_count(input.model);
+  Trials trials(input, pool);
   for (const PartView& view : input.model.views) {
     for (int turn = 0; turn < turns; ++turn) {
       const Mat3 rotation = rotation_onto(view.direction.cast<double>(), sight, 2.0 * kPi * turn / turns);
-      consider(input, {rotation, centroid - rotation * view.centroid_mm.cast<double>()}, pool);
+      trials.add({rotation, centroid - rotation * view.centroid_mm.cast<double>()});
     }
   }
   return PartModel::kViews * turns;

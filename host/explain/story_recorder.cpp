@@ -31,6 +31,7 @@ const char* route_name(pipeline::Effort route) {
       return "by every view of the part";
     case pipeline::Effort::kPlanes:
       return "by one face";
+    case pipeline::Effort::kPieces:
     case pipeline::Effort::kNeighbourhoods:
     case pipeline::Effort::kAll:
       break;

@@ -130,13 +130,14 @@ int SpinModel::search(std::span<const OrientedPoint> object, const search::Searc
   const std::size_t kept = std::min(options_.pairs, pairs.size());
   std::partial_sort(pairs.begin(), pairs.begin() + static_cast<std::ptrdiff_t>(kept), pairs.end(),
                     [](const Pair& x, const Pair& y) { return x.similarity > y.similarity; });
+  search::Trials trials(input, pool);
   for (std::size_t i = 0; i < kept; ++i) {
     const Match& a = found[pairs[i].a];
     const Match& b = found[pairs[i].b];
     const Mat3 rotation = frame_of(*a.scene, *b.scene) * frame_of(*a.model, *b.model).transpose();
     const Vec3 middle_scene = 0.5 * (a.scene->point_mm + b.scene->point_mm).cast<double>();
     const Vec3 middle_model = 0.5 * (a.model->point_mm + b.model->point_mm).cast<double>();
-    search::consider(input, {rotation, middle_scene - rotation * middle_model}, pool);
+    trials.add({rotation, middle_scene - rotation * middle_model});
   }
   return static_cast<int>(kept);
 }
