@@ -108,8 +108,7 @@ Alignment align(std::span<const OrientedPoint> sample, const PartModel& model, c
   result.T_camera_part = initial;
   const double ratio = noise.sigma_mm / noise.outline_sigma_mm;
   if (!descend(sample, model, stages, {outline, ratio * ratio}, result)) return result;
-  const NormalEquations system =
-      linearise(sample, model, result.T_camera_part, stages.back(), outline, ratio * ratio);
+  const NormalEquations system = linearise(sample, model, result.T_camera_part, stages.back(), outline, ratio * ratio);
   if (system.inliers < kLeastInliers) return result;
   describe_fit(system, sample.size(), result);
   result.covariance = covariance(system, model, result.T_camera_part, std::max(noise.sigma_mm, result.rms_mm));

@@ -128,7 +128,8 @@ Attempt PoseFinder::try_neighbourhoods(const Context& context) {
   return nearest;
 }
 
-// The first route that ends with a verified pose, unless one before it has raised a doubt; or the one that came nearest.
+// The first route that ends with a verified pose, unless one before it has raised a doubt; or the one that came
+// nearest.
 Attempt PoseFinder::try_routes(const Context& context, std::span<const Effort> routes) {
   Attempt nearest, doubt;
   for (const Effort route : routes) {
@@ -247,8 +248,7 @@ std::size_t PoseFinder::align_coarsely(const Context& context, int model_index, 
     candidate.alignment = icp::approach(sample, model, hypothesis.T_camera_part, std::span(stages).first<1>());
     if (met_before(std::span(halfway).first(distinct_halfway), candidate)) continue;
     halfway[distinct_halfway++] = candidate;
-    candidate.alignment =
-        icp::approach(sample, model, candidate.alignment.T_camera_part, std::span(stages).last<1>());
+    candidate.alignment = icp::approach(sample, model, candidate.alignment.T_camera_part, std::span(stages).last<1>());
     if (met_before(ends.first(distinct), candidate)) continue;
     candidate.impression = impression(context, candidate).score;
     if (trace_ != nullptr) trace_->aligned_coarsely(candidate);

@@ -28,7 +28,8 @@ std::optional<Motion> loosest_freedom(const Alignment& alignment, const PartMode
 // of them are those of shadows.
 bool held_by_outline(const Alignment& alignment, const PartModel& model);
 
-// How far, in mm at the part's rim, `ends` ask the pose to move along those freedoms; 0 where the surface holds the part.
+// How far, in mm at the part's rim, `ends` ask the pose to move along those freedoms; 0 where the surface holds the
+// part.
 double asked_shift_mm(const Alignment& alignment, const PartModel& model, std::span<const icp::OutlinePair> ends);
 
 // The covariance of `other`, a pose that looks the same, from that of `pose`: it counts motions about another centre.

@@ -232,8 +232,8 @@ bool PoseFinder::loses(const Context& context, const Candidate& champion, Candid
   return !align_in_sight(context, other, kNear) || far_behind(context, other, champion, kLosing);
 }
 
-// Finishes a pose that was aligned, unless it falls too far behind on the way, or meets the champion. Returns whether it
-// was finished.
+// Finishes a pose that was aligned, unless it falls too far behind on the way, or meets the champion. Returns whether
+// it was finished.
 bool PoseFinder::finish_challenger(const Context& context, const Candidate& champion, Candidate& other) {
   if (far_behind(context, other, champion, kAligned)) return false;
   if (!align_in_sight(context, other, kOff) || far_behind(context, other, champion, kInSight)) return false;
@@ -265,8 +265,9 @@ Result<void> PoseFinder::trial(const Context& context, const Candidate& champion
   const auto verdict = plain_verdict(context, champion);
   if (!verdict) return verdict;
   if (!champion.finished) {
-    return failure(ResultCode::kCoverageTooLow,
-                   "too little was measured where the part is in sight to align it; hidden, shiny, or a foreign object");
+    return failure(
+        ResultCode::kCoverageTooLow,
+        "too little was measured where the part is in sight to align it; hidden, shiny, or a foreign object");
   }
   const PartModel& model = context.models[static_cast<std::size_t>(champion.model_index)];
   if (!determined(champion.alignment, model)) {

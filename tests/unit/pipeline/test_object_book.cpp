@@ -76,7 +76,8 @@ std::vector<std::string> all_rounds(pipeline::ObjectBook& book, const result::Sc
 
 }  // namespace
 
-TEST_CASE("whole objects come before fragments, little effort before much, and pieces are joined before views and last") {
+TEST_CASE(
+    "whole objects come before fragments, little effort before much, and pieces are joined before views and last") {
   Sheet sheet;
   sheet.add(0, 0, 40, 40);    // whole
   sheet.add(0, 100, 10, 20);  // two fragments, near each other
