@@ -36,12 +36,17 @@ struct Candidate {
   result::Region region;  // of the image in which it was drawn
 };
 
+// The part itself and its mirror image: what turns one into the other is no rotation, whose angle could be asked for.
+inline bool same_hand(const Candidate& a, const Candidate& b) {
+  return a.alignment.T_camera_part.rotation.determinant() * b.alignment.T_camera_part.rotation.determinant() > 0.0;
+}
+
 // Poses that differ less have found the same place.
 inline constexpr double kSamePlaceShare = 0.012;  // of the diagonal
 inline constexpr double kSameTurn_rad = 0.05;
 
 inline bool same_place(const Candidate& a, const Candidate& b, const PartModel& model) {
-  if (a.model_index != b.model_index) return false;
+  if (a.model_index != b.model_index || !same_hand(a, b)) return false;
   const PoseDifference d = difference_modulo_symmetry(a.alignment.T_camera_part, b.alignment.T_camera_part, model);
   return d.translation_mm < kSamePlaceShare * model.diagonal_mm && d.rotation_rad < kSameTurn_rad;
 }
@@ -52,7 +57,7 @@ inline constexpr double kSamePose_mm = 0.8;
 inline constexpr double kSamePose_rad = rad_from_deg(0.8);
 
 inline bool same_pose(const Candidate& a, const Candidate& b, const PartModel& model) {
-  if (a.model_index != b.model_index) return false;
+  if (a.model_index != b.model_index || !same_hand(a, b)) return false;
   const PoseDifference d = difference_modulo_symmetry(a.alignment.T_camera_part, b.alignment.T_camera_part, model);
   return d.translation_mm < kSamePose_mm && d.rotation_rad < kSamePose_rad;
 }
