@@ -218,10 +218,12 @@ void Appliance::tell_priority() {
   }
 }
 
-Result<int> Appliance::run() {
-  // Threads inherit the mask: signals reach the supervisor only.
+void Appliance::leave_signals_to_supervisor() {
   const sigset_t signals = handled_signals();
   pthread_sigmask(SIG_BLOCK, &signals, nullptr);
+}
+
+Result<int> Appliance::run() {
   plc::PlcExchange exchange(settings_.float_order == "low-first" ? plc::WordOrder::kLowFirst
                                                                  : plc::WordOrder::kHighFirst);
   auto server = plc::ModbusServer::open({.address = settings_.plc_address,

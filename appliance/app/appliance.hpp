@@ -67,6 +67,11 @@ class Appliance {
   // What happened so far.
   [[nodiscard]] const RunBook& book() const { return *book_; }
 
+  // Has this thread, and those that it makes from now on, block SIGTERM, SIGINT and SIGHUP: run() waits for them, and
+  // any thread that did not block them would be ended by them, and the process with it. To be called before the first
+  // Appliance is made, whose workers and libraries make threads.
+  static void leave_signals_to_supervisor();
+
   // Opens the PLC's port and runs until SIGTERM or SIGINT; SIGHUP reads the model files anew. Returns the process's
   // exit code: 0 after a clean stop, 3 after a thread has hung. Error: the port cannot be had.
   Result<int> run();

@@ -123,6 +123,7 @@ int serve(const Options& options, app::Log& log) {
   if (options.outputs_off) return outputs_off(*settings);
   for (const std::string& warning : warnings) log.write(app::LogLevel::kWarning, "%s", warning.c_str());
 
+  if (!options.check) app::Appliance::leave_signals_to_supervisor();
   app::Appliance appliance(*settings, log);
   std::fputs(appliance.budget_text().c_str(), options.check ? stdout : stderr);
   if (!options.check) appliance.lock_memory();

@@ -49,6 +49,21 @@ def listen(manager, until, patience_s=60):
     sys.exit(f"not told within {patience_s} s; heard {[message for _, message in heard]}")
 
 
+def threads_that_take(process, number):
+    """The names of the process's threads that do not block the signal: it would end the process by default.
+
+    The main thread is left out: while it waits for the signals, the kernel shows them as not blocked.
+    """
+    names = []
+    for task in pathlib.Path(f"/proc/{process}/task").iterdir():
+        if task.name == str(process):
+            continue
+        status = dict(line.split(":", 1) for line in (task / "status").read_text().splitlines())
+        if not int(status["SigBlk"], 16) >> (number - 1) & 1:
+            names.append(status["Name"].strip())
+    return names
+
+
 def main():
     bin_folder, run = pathlib.Path(sys.argv[1]), pathlib.Path(sys.argv[2]) / "notify"
     shutil.rmtree(run, ignore_errors=True)
@@ -70,6 +85,9 @@ def main():
         longest = max(after - before for before, after in zip(beats, beats[1:]))
         if longest > WATCHDOG_S:
             sys.exit(f"a sign of life came only after {longest:.2f} s, the watchdog waits for {WATCHDOG_S} s")
+        for number in (signal.SIGTERM, signal.SIGINT, signal.SIGHUP):
+            if taking := threads_that_take(daemon.pid, number):
+                sys.exit(f"{number.name} may end the process by way of threads that do not block it: {taking}")
         daemon.send_signal(signal.SIGTERM)
         listen(manager, lambda message: message == "STOPPING=1")
         if daemon.wait(10) != 0:
