@@ -1,43 +1,67 @@
 #include "result/rivalry.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdint>
 #include <utility>
 
+#include "base/kernel.hpp"
+#include "base/point_block.hpp"
+#include "contract/find_nearest.hpp"
 #include "contract/lens_project.hpp"
 
 namespace beltpick::result {
 namespace {
 
-// Asks whether measured points lie on a part.
+struct Tolerance {
+  float off_mm, aside2_mm2;
+};
+
+// Which of the points lie on the surface, of which `near` are the nearest points: 1 or 0.
+BELTPICK_KERNEL void lie_on(const PointBlock& at, const PointBlock& near, Tolerance most, std::size_t count,
+                            std::int32_t* __restrict held) {
+  for (std::size_t k = 0; k < count; ++k) {
+    const float x = at.x[k] - near.x[k], y = at.y[k] - near.y[k], z = at.z[k] - near.z[k];
+    const float off = near.nx[k] * x + near.ny[k] * y + near.nz[k] * z;
+    held[k] = (std::fabs(off) < most.off_mm) & (x * x + y * y + z * z < most.aside2_mm2) ? 1 : 0;
+  }
+}
+
+// Asks whether measured points lie on a part, some dozens at a time.
 class OnSurface {
  public:
   OnSurface(const Rival& rival, const Scene& scene)
       : model_(rival.model),
         tolerance_mm_(static_cast<float>(surface_tolerance_mm(scene, rival.model.spacing_mm))),
-        aside_mm_(1.5F * rival.model.spacing_mm + tolerance_mm_) {
-    const auto T_part_camera = rival.T_camera_part.inverse();
-    rotation_ = T_part_camera.rotation.cast<float>();
-    translation_ = T_part_camera.translation_mm.cast<float>();
-  }
+        aside_mm_(1.5F * rival.model.spacing_mm + tolerance_mm_),
+        into_part_(rival.T_camera_part.inverse()) {}
 
   // The part of the image outside which no measured point is held.
   [[nodiscard]] Region region(const PartPose& T_camera_part, const Scene& scene) const;
 
-  [[nodiscard]] bool holds(const Vec3f& measured_mm) const {
-    const Vec3f at = rotation_ * measured_mm + translation_;
-    if (model_.outside_box_mm(at) > aside_mm_ + 0.01F) return false;
-    const OrientedPoint& nearest = model_.nearest(at);
-    const Vec3f apart = at - nearest.point_mm;
-    return std::abs(nearest.normal.dot(apart)) < tolerance_mm_ && apart.squaredNorm() < aside_mm_ * aside_mm_;
+  // In three steps, as a NearestQuery asks: for the same points.
+  void begin(const PointBlock& measured, int count) {
+    move_points(measured, into_part_, count, at_);
+    query_.begin(model_, at_, count);
   }
+  void go_on(int count) { query_.go_on(model_, count); }
+  void finish(int count) {
+    PointBlock near;
+    query_.finish(model_, at_, count, near);
+    lie_on(at_, near, {tolerance_mm_, aside_mm_ * aside_mm_}, static_cast<std::size_t>(PointBlock::whole_steps(count)),
+           held_.data());
+  }
+  [[nodiscard]] bool held(std::size_t k) const { return held_[k] != 0; }
 
  private:
   const PartModel& model_;
   float tolerance_mm_;
   float aside_mm_;
-  Eigen::Matrix3f rotation_;
-  Vec3f translation_;
+  FastMotion into_part_;
+  PointBlock at_;  // part frame
+  NearestQuery query_;
+  alignas(64) std::array<std::int32_t, PointBlock::kSize> held_;
 };
 
 // Round the corners of the part's box. The lens draws what lies between them between where they are and where they
@@ -74,26 +98,54 @@ constexpr double kClearLead = 0.013;  // of what both explain
 
 int on_lattice(int px, int step) { return px / step * step; }
 
+// Counts measured points by which of the two holds them.
+class Count {
+ public:
+  Count(OnSurface& first, OnSurface& second) : first_(first), second_(second) {}
+
+  void add(const Vec3f& measured_mm) {
+    waiting_.put({measured_mm, Vec3f::Zero()}, count_++);
+    if (count_ == PointBlock::kSize) run();
+  }
+  Rivalry result() {
+    run();
+    return rivalry_;
+  }
+
+ private:
+  void run() {
+    waiting_.fill_up(count_);
+    for (OnSurface* side : {&first_, &second_}) side->begin(waiting_, count_);
+    for (OnSurface* side : {&first_, &second_}) side->go_on(count_);
+    for (OnSurface* side : {&first_, &second_}) side->finish(count_);
+    for (std::size_t k = 0; k < static_cast<std::size_t>(count_); ++k) {
+      const bool one = first_.held(k), two = second_.held(k);
+      rivalry_.both += one && two ? 1 : 0;
+      rivalry_.only_first += one && !two ? 1 : 0;
+      rivalry_.only_second += two && !one ? 1 : 0;
+    }
+    count_ = 0;
+  }
+
+  OnSurface &first_, &second_;
+  PointBlock waiting_;  // camera frame
+  int count_ = 0;
+  Rivalry rivalry_;
+};
+
 }  // namespace
 
 Rivalry compare(const Rival& first, const Rival& second, const Scene& scene, int step) {
-  const OnSurface on_first(first, scene);
-  const OnSurface on_second(second, scene);
+  OnSurface on_first(first, scene), on_second(second, scene);
   const Region a = on_first.region(first.T_camera_part, scene), b = on_second.region(second.T_camera_part, scene);
   const int row_end = std::max(a.row_max, b.row_max), col_end = std::max(a.col_max, b.col_max);
-  Rivalry rivalry;
+  Count count(on_first, on_second);
   for (int row = on_lattice(std::min(a.row_min, b.row_min), step); row <= row_end; row += step) {
     for (int col = on_lattice(std::min(a.col_min, b.col_min), step); col <= col_end; col += step) {
-      if (scene.labels(row, col) == 0 || !scene.range.valid(row, col)) continue;
-      const Vec3f& measured = scene.range.point_mm(row, col);
-      const bool one = on_first.holds(measured);
-      const bool two = on_second.holds(measured);
-      rivalry.both += one && two ? 1 : 0;
-      rivalry.only_first += one && !two ? 1 : 0;
-      rivalry.only_second += two && !one ? 1 : 0;
+      if (scene.labels(row, col) != 0 && scene.range.valid(row, col)) count.add(scene.range.point_mm(row, col));
     }
   }
-  return rivalry;
+  return count.result();
 }
 
 bool prevails(const Rivalry& rivalry) {
