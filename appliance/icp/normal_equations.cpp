@@ -119,6 +119,29 @@ BELTPICK_KERNEL void add_block(const PointBlock& at, const PointBlock& near, con
   for (std::size_t k = 0; k < sums.all.size(); ++k) sums.all[k] += static_cast<double>(sums.block[k]);
 }
 
+// A portion of the sample, and the surface points nearest to it.
+class Portion {
+ public:
+  // In three steps, as a NearestQuery asks.
+  void begin(std::span<const OrientedPoint> points, const PartModel& model, const FastMotion& into_part) {
+    PointBlock measured;
+    count_ = measured.load(points);
+    move_points(measured, into_part, count_, at_);
+    query_.begin(model, at_, count_);
+  }
+  void go_on(const PartModel& model) { query_.go_on(model, count_); }
+  void finish(const PartModel& model, const Rule& rule, Sums& sums) {
+    PointBlock nearest;
+    query_.finish(model, at_, count_, nearest);
+    add_block(at_, nearest, rule, count_, sums);
+  }
+
+ private:
+  PointBlock at_;  // part frame
+  NearestQuery query_;
+  int count_ = 0;
+};
+
 void add_surface(NormalEquations& system, std::span<const OrientedPoint> sample, const PartModel& model,
                  const FastMotion& into_part, const Stage& stage) {
   const Vec3f centre = model.centre_mm.cast<float>();
@@ -130,12 +153,13 @@ void add_surface(NormalEquations& system, std::span<const OrientedPoint> sample,
                   stage.beyond,
                   {centre.x(), centre.y(), centre.z()}};
   Sums sums;
-  PointBlock measured, at, nearest;
-  for (std::size_t first = 0; first < sample.size(); first += PointBlock::kSize) {
-    const int count = measured.load(sample.subspan(first));
-    move_points(measured, into_part, count, at);
-    find_nearest(model, at, count, nearest);
-    add_block(at, nearest, rule, count, sums);
+  // While one portion is added up, the memory fetches what the next two ask for.
+  std::array<Portion, 3> under_way;
+  const std::size_t portions = PointBlock::blocks_for(sample.size());
+  for (std::size_t step = 0; step < portions + 2; ++step) {
+    if (step < portions) under_way[step % 3].begin(sample.subspan(step * PointBlock::kSize), model, into_part);
+    if (step >= 1 && step - 1 < portions) under_way[(step - 1) % 3].go_on(model);
+    if (step >= 2) under_way[(step - 2) % 3].finish(model, rule, sums);
   }
   int at_sum = Sums::kInformation;
   for (int i = 0; i < 6; ++i) {
