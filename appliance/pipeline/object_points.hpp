@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstdint>
-#include <optional>
 #include <span>
 
 #include "base/stages.hpp"
@@ -26,10 +25,6 @@ struct Object {
     return false;
   }
 };
-
-// The normal of the surface measured at a pixel, towards the camera: a plane through the measured neighbours within
-// about `radius_mm`, without those beyond a depth step. Nothing where too few are left.
-std::optional<Vec3f> measured_normal(const RangeImage& range, int row, int col, float radius_mm);
 
 // About `wanted` points of the object on a regular lattice of its pixels, in a random order that depends on `seed`
 // alone: any first part of it is a sample too. Returns how many were written to `out`.

@@ -9,7 +9,7 @@
 #include "commands.hpp"
 #include "contract/result_codes.hpp"
 #include "options.hpp"
-#include "pipeline/object_points.hpp"
+#include "pipeline/measured_normals.hpp"
 #include "primitives/msac.hpp"
 #include "segmented_input.hpp"
 

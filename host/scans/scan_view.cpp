@@ -5,8 +5,8 @@
 
 #include "base/random.hpp"
 #include "contract/result_codes.hpp"
+#include "pipeline/measured_normals.hpp"
 #include "pipeline/noise.hpp"
-#include "pipeline/object_points.hpp"
 
 namespace beltpick::scans {
 namespace {

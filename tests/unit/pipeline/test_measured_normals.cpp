@@ -1,5 +1,5 @@
 // The normals of measured points, beside the eigenvectors of all the points in the window.
-#include "pipeline/object_points.hpp"
+#include "pipeline/measured_normals.hpp"
 
 #include <Eigen/Eigenvalues>
 #include <catch2/catch.hpp>
@@ -58,7 +58,7 @@ double apart_deg(const Vec3f& a, const Vec3f& b) {
 
 }  // namespace
 
-TEST_CASE("the normal is the direction in which the points of the window spread least", "[object_points]") {
+TEST_CASE("the normal is the direction in which the points of the window spread least", "[measured_normals]") {
   for (std::uint64_t seed = 1; seed <= 40; ++seed) {
     Random random(1000 + seed);
     const auto slope_x = static_cast<float>(random.uniform(-2.5, 2.5)),
@@ -75,7 +75,7 @@ TEST_CASE("the normal is the direction in which the points of the window spread 
   }
 }
 
-TEST_CASE("points on a line, too few points and a corner of the image", "[object_points]") {
+TEST_CASE("points on a line, too few points and a corner of the image", "[measured_normals]") {
   const auto level = [](float, float) { return 0.0F; };
   Patch line(level, 0.02F, 1);
   for (int i = 0; i < kSide * kSide; ++i) {
@@ -99,9 +99,31 @@ TEST_CASE("points on a line, too few points and a corner of the image", "[object
   }
 }
 
-TEST_CASE("what lies beyond a step does not tilt the normal", "[object_points]") {
+TEST_CASE("what lies beyond a step does not tilt the normal", "[measured_normals]") {
   Patch step([](float x, float) { return x > 0.5F ? 30.0F : 0.0F; }, 0.0F, 1);
   const auto normal = step.normal();
   REQUIRE(normal);
   CHECK(apart_deg(*normal, -Vec3f::UnitZ()) < 0.01);
+}
+
+TEST_CASE("pixels asked for together have the normals that each has by itself", "[measured_normals]") {
+  Patch patch([](float x, float y) { return x > 3.0F ? 20.0F : 0.1F * x * x - 0.3F * y; }, 0.04F, 5);
+  Random random(6);
+  for (int hole = 0; hole < 300; ++hole) patch.point_mm[random.below(kSide * kSide)].setZero();
+  const RangeImage range = patch.range();
+  for (int trial = 0; trial < 60; ++trial) {
+    pipeline::PixelBlock pixels;
+    const int wanted = 1 + trial % pipeline::PixelBlock::kSize;
+    while (pixels.count < wanted) {
+      const auto row = static_cast<int>(random.below(kSide)), col = static_cast<int>(random.below(kSide));
+      if (range.valid(row, col)) pixels.add(row, col);
+    }
+    pipeline::NormalBlock together;
+    pipeline::measured_normals(range, pixels, 1.6F, together);
+    for (std::size_t k = 0; k < static_cast<std::size_t>(wanted); ++k) {
+      const auto alone = patch.normal(pixels.row[k], pixels.col[k]);
+      REQUIRE(alone.has_value() == (together.found[k] != 0));
+      if (alone) CHECK(*alone == together.at(k));
+    }
+  }
 }
