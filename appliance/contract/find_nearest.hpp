@@ -9,12 +9,13 @@
 
 namespace beltpick {
 
-// Writes to `nearest` the surface points nearest to the first `count` points of `at_part` (part frame): those that
-// PartModel::nearest() gives, by whichever index the model has.
+// Writes to `nearest` the surface points nearest to the first `count` points of `at_part` (part frame; at most
+// PointBlock::kSize): those that PartModel::nearest() gives, by whichever index the model has.
 void find_nearest(const PartModel& model, const PointBlock& at_part, int count, PointBlock& nearest);
 
 // The same in three steps: cells and points lie in far memory, and whoever asks for several blocks at once need not
-// wait for each. `begin` and `go_on` tell the memory what the next step will read.
+// wait for each. `begin` and `go_on` tell the memory what the next step will read. All three must be given the same
+// model and the same points (part frame), at most PointBlock::kSize.
 class NearestQuery {
  public:
   void begin(const PartModel& model, const PointBlock& at_part, int count);

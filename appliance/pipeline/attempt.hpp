@@ -41,14 +41,20 @@ inline bool same_hand(const Candidate& a, const Candidate& b) {
   return a.alignment.T_camera_part.rotation.determinant() * b.alignment.T_camera_part.rotation.determinant() > 0.0;
 }
 
+// Whether both poses are of the same part, not mirrored against each other, and differ less than that at every turn
+// that leaves the part unchanged.
+inline bool within(const Candidate& a, const Candidate& b, const PartModel& model, const PoseDifference& most) {
+  if (a.model_index != b.model_index || !same_hand(a, b)) return false;
+  const PoseDifference d = difference_modulo_symmetry(a.alignment.T_camera_part, b.alignment.T_camera_part, model);
+  return d.translation_mm < most.translation_mm && d.rotation_rad < most.rotation_rad;
+}
+
 // Poses that differ less have found the same place.
 inline constexpr double kSamePlaceShare = 0.012;  // of the diagonal
 inline constexpr double kSameTurn_rad = 0.05;
 
 inline bool same_place(const Candidate& a, const Candidate& b, const PartModel& model) {
-  if (a.model_index != b.model_index || !same_hand(a, b)) return false;
-  const PoseDifference d = difference_modulo_symmetry(a.alignment.T_camera_part, b.alignment.T_camera_part, model);
-  return d.translation_mm < kSamePlaceShare * model.diagonal_mm && d.rotation_rad < kSameTurn_rad;
+  return within(a, b, model, {.translation_mm = kSamePlaceShare * model.diagonal_mm, .rotation_rad = kSameTurn_rad});
 }
 
 // A robot is promised a millimetre and a degree: of two poses that differ less than this either will do, if one of them
@@ -57,9 +63,7 @@ inline constexpr double kSamePose_mm = 0.8;
 inline constexpr double kSamePose_rad = rad_from_deg(0.8);
 
 inline bool same_pose(const Candidate& a, const Candidate& b, const PartModel& model) {
-  if (a.model_index != b.model_index || !same_hand(a, b)) return false;
-  const PoseDifference d = difference_modulo_symmetry(a.alignment.T_camera_part, b.alignment.T_camera_part, model);
-  return d.translation_mm < kSamePose_mm && d.rotation_rad < kSamePose_rad;
+  return within(a, b, model, {.translation_mm = kSamePose_mm, .rotation_rad = kSamePose_rad});
 }
 
 // What became of a search.

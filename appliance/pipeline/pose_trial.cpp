@@ -4,6 +4,7 @@
 
 #include "base/units.hpp"
 #include "contract/result_codes.hpp"
+#include "pipeline/contest.hpp"
 #include "pipeline/lookalikes.hpp"
 #include "pipeline/outline_pairs.hpp"
 #include "pipeline/pose_finder.hpp"
@@ -30,8 +31,6 @@ constexpr double kMostAsked_px = 2.0;
 constexpr double kAskedReaches = 3.0;
 constexpr double kAskedBeyond_mm = 5.0;
 constexpr int kFinishedRivals = 8;
-// Where poses not finished are compared, every so many rows and columns are counted.
-constexpr int kPixelStep = 4;
 
 // Of each model, how many poses are tried that put nearly the same surface there.
 constexpr std::size_t kLookalikes = 3;
@@ -217,11 +216,7 @@ void PoseFinder::add_lookalikes(const Context& context, const Candidate& champio
 bool PoseFinder::far_behind(const Context& context, const Candidate& other, const Candidate& champion,
                             const Gate& gate) {
   if (impression(context, other).seen_empty > impression(context, champion).seen_empty + gate.seen_empty) return true;
-  const auto claim = [&](const Candidate& candidate) {
-    return result::Rival{context.models[static_cast<std::size_t>(candidate.model_index)],
-                         candidate.alignment.T_camera_part};
-  };
-  const result::Rivalry rivalry = result::compare(claim(champion), claim(other), context.scene, kPixelStep);
+  const result::Rivalry rivalry = contend(champion, other, context.scene, context.models);
   return rivalry.both + rivalry.only_second < gate.explained * (rivalry.both + rivalry.only_first);
 }
 

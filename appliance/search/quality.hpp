@@ -41,7 +41,8 @@ class SearchSample {
 float mean_distance_mm(const SearchSample& sample, const PartModel& model, const PartPose& T_camera_part, float cap_mm,
                        float give_up_mm);
 
-// The same in three steps, so that whoever tries several poses at once need not wait for each one's memory.
+// The same in three steps, so that whoever tries several poses at once need not wait for each one's memory: begin() and
+// go_on() tell the memory what the next step will read. All three must be given the same sample and model.
 class QualityQuery {
  public:
   void begin(const SearchSample& sample, const PartModel& model, const PartPose& T_camera_part);

@@ -1,4 +1,5 @@
-// Trials: puts hypotheses to the test a few at a time, and what is good enough into the pool.
+// Trials: puts hypotheses to the test a few at a time, and what is good enough into the pool. The pool is complete when
+// the Trials is gone, no sooner.
 #pragma once
 
 #include <array>

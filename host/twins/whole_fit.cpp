@@ -8,7 +8,7 @@
 #include "base/units.hpp"
 #include "icp/align.hpp"
 #include "search/hypothesis_pool.hpp"
-#include "search/quality.hpp"
+#include "search/trials.hpp"
 #include "search/views.hpp"
 
 namespace beltpick::twins {
@@ -69,20 +69,21 @@ std::vector<OrientedPoint> mirrored(std::span<const OrientedPoint> points) {
 }
 
 WholeFit fit_whole(std::span<const OrientedPoint> points, const PartModel& other, double tolerance_mm) {
-  const search::SearchSample few(sample(points, kSearchPoints));
+  const search::SearchInput input{other, search::SearchSample(sample(points, kSearchPoints)),
+                                  static_cast<float>(0.1 * other.diagonal_mm)};
   const std::vector<OrientedPoint> more = sample(points, kAlignPoints);
   const Vec3 own_middle = middle_of(points);
   const Vec3 other_middle = middle_of(other.surface);
-  const auto cap = static_cast<float>(0.1 * other.diagonal_mm);
   std::vector<Hypothesis> storage(400);
   search::HypothesisPool pool(storage);
-  for (const Vec3& direction : search::view_directions()) {
-    const Mat3 first = Eigen::Quaterniond::FromTwoVectors(direction, Vec3::UnitZ()).toRotationMatrix();
-    for (int turn = 0; turn < kTurns; ++turn) {
-      const Mat3 rotation = Eigen::AngleAxisd(2.0 * kPi * turn / kTurns, Vec3::UnitZ()).toRotationMatrix() * first;
-      const Fit pose{rotation, own_middle - rotation * other_middle};
-      const float distance = search::mean_distance_mm(few, other, pose, cap, pool.bar_mm());
-      if (distance < pool.bar_mm()) pool.offer({pose, distance});
+  {
+    search::Trials trials(input, pool);
+    for (const Vec3& direction : search::view_directions()) {
+      const Mat3 first = Eigen::Quaterniond::FromTwoVectors(direction, Vec3::UnitZ()).toRotationMatrix();
+      for (int turn = 0; turn < kTurns; ++turn) {
+        const Mat3 rotation = Eigen::AngleAxisd(2.0 * kPi * turn / kTurns, Vec3::UnitZ()).toRotationMatrix() * first;
+        trials.add({rotation, own_middle - rotation * other_middle});
+      }
     }
   }
   std::array<Hypothesis, kAligned> best;

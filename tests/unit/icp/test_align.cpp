@@ -60,6 +60,22 @@ TEST_CASE("from half a search step away, alignment ends at the true pose") {
   }
 }
 
+TEST_CASE("an approach ends where an alignment without an outline ends, and leaves out its covariance") {
+  const LoadedPart loaded(knuckle());
+  const PartModel& model = loaded.model();
+  for (std::uint64_t seed = 1; seed <= 4; ++seed) {
+    const icp::PartPose truth{any_rotation(seed), {10.0, 5.0, 700.0}};
+    const auto sample = noisy_sample(model, truth, 500);
+    const auto start = pushed(truth, model.centre_mm, {3.0, -2.5, 3.0}, {1.0, -2.0, 0.5}, rad_from_deg(7.5));
+    const Alignment whole = icp::align(sample, model, start, kStages, icp::Noise{});
+    const Alignment quick = icp::approach(sample, model, start, kStages);
+    CHECK(quick.T_camera_part.rotation == whole.T_camera_part.rotation);
+    CHECK(quick.T_camera_part.translation_mm == whole.T_camera_part.translation_mm);
+    CHECK(quick.iterations == whole.iterations);
+    CHECK(quick.inlier_share == Approx(whole.inlier_share).margin(0.01));  // of the last step but one
+  }
+}
+
 TEST_CASE("the kernel's normal equations are those of the plain loop, with either index and any number of points") {
   const LoadedPart loaded(knuckle());
   PartModel model = loaded.model();

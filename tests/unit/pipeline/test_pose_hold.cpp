@@ -117,20 +117,3 @@ TEST_CASE("a motion turns the part about its centre, then shifts it", "[hold]") 
   CHECK((after * centre_mm - before * centre_mm - Vec3(5.0, 0.0, 0.0)).norm() < 1e-9);
   CHECK((after * beside_mm - after * centre_mm - Vec3(-1.0, 0.0, 0.0)).norm() < 1e-9);
 }
-
-TEST_CASE("a part and its mirror image in one place are not one pose", "[hold]") {
-  pipeline::Candidate one, other;
-  one.alignment = other.alignment = held();
-  CHECK(pipeline::same_pose(one, other, part()));
-  CHECK(pipeline::same_place(one, other, part()));
-  for (int axis = 0; axis < 3; ++axis) {
-    Mat3 mirror = Mat3::Identity();
-    mirror(axis, axis) = -1.0;
-    auto& pose = other.alignment.T_camera_part;
-    pose = one.alignment.T_camera_part;
-    pose.rotation *= mirror;
-    pose.translation_mm += one.alignment.T_camera_part * part().centre_mm - pose * part().centre_mm;
-    CHECK_FALSE(pipeline::same_pose(one, other, part()));
-    CHECK_FALSE(pipeline::same_place(one, other, part()));
-  }
-}

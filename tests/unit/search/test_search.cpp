@@ -6,6 +6,7 @@
 #include "base/units.hpp"
 #include "contract/pose_difference.hpp"
 #include "search/from_primitive.hpp"
+#include "search/trials.hpp"
 #include "search/views.hpp"
 #include "support/scenes/models.hpp"
 #include "support/scenes/scenes.hpp"
@@ -105,6 +106,36 @@ TEST_CASE("the pool keeps the best, best first, and only what differs") {
   REQUIRE(pool.take_distinct(loaded.model(), 5.0, 0.1, best) == 2);
   CHECK(best[0].mean_distance_mm == 1.0F);
   CHECK(best[1].mean_distance_mm == 2.0F);
+}
+
+TEST_CASE("trials put into the pool what one hypothesis after the other would") {
+  const LoadedPart loaded(knuckle());
+  const PartModel& model = loaded.model();
+  const search::PartPose truth{any_rotation(5), {15.0, -20.0, 690.0}};
+  const auto sample = seen_sample(model, truth);
+  const search::SearchInput input{model, search::SearchSample(sample), 12.0F};
+  std::vector<search::PartPose> poses;
+  for (std::uint64_t seed = 1; seed <= 203; ++seed) {  // not a multiple of what is tried together
+    Random random(seed);
+    const Vec3 shift(random.uniform(-9, 9), random.uniform(-9, 9), random.uniform(-9, 9));
+    poses.push_back({seed % 4 == 0 ? truth.rotation : any_rotation(seed), truth.translation_mm + shift});
+  }
+  std::vector<Hypothesis> plain_storage(20), storage(20);
+  search::HypothesisPool plain(plain_storage), pool(storage);
+  for (const search::PartPose& pose : poses) {
+    const float distance = search::mean_distance_mm(input.sample, model, pose, input.cap_mm, plain.bar_mm());
+    if (distance < plain.bar_mm()) plain.offer({pose, distance});
+  }
+  {
+    search::Trials trials(input, pool);
+    for (const search::PartPose& pose : poses) trials.add(pose);
+  }
+  REQUIRE(pool.size() == plain.size());
+  REQUIRE(pool.size() == storage.size());
+  for (std::size_t i = 0; i < storage.size(); ++i) {
+    CHECK(storage[i].mean_distance_mm == plain_storage[i].mean_distance_mm);
+    CHECK(storage[i].T_camera_part.translation_mm == plain_storage[i].T_camera_part.translation_mm);
+  }
 }
 
 TEST_CASE("162 view directions are unit vectors and lie apart") {
