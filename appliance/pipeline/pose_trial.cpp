@@ -30,6 +30,10 @@ constexpr double kMostAsked_mm = 0.6;
 constexpr double kMostAsked_px = 2.0;
 constexpr double kAskedReaches = 3.0;
 constexpr double kAskedBeyond_mm = 5.0;
+// ... and where it shows less of itself than this share of what it usually does, so much of it must lie inside the
+// image: the edge of that cuts the outline, and any flat face that goes on beyond may be the part's.
+constexpr double kShowsLittle = 0.5;
+constexpr double kOutlineInView = 0.9;
 constexpr int kFinishedRivals = 8;
 
 // Of each model, how many poses are tried that put nearly the same surface there.
@@ -43,6 +47,17 @@ double explained_mm2(const Candidate& candidate, std::span<const PartModel> mode
   if (candidate.evidence.support <= 0.0) return 0.0;
   const double spacing_mm = models[static_cast<std::size_t>(candidate.model_index)].spacing_mm;
   return candidate.strength * candidate.evidence.matched / candidate.evidence.support * spacing_mm * spacing_mm;
+}
+
+// What the part shows, across the line of sight, from one direction and another.
+double usual_view_mm2(const PartModel& model) {
+  double sum = 0.0;
+  for (const PartView& view : model.views) sum += static_cast<double>(view.seen_area);
+  return sum / PartModel::kViews;
+}
+
+bool shows_little(const Candidate& candidate, const PartModel& model) {
+  return candidate.evidence.matched * model.spacing_mm * model.spacing_mm < kShowsLittle * usual_view_mm2(model);
 }
 
 // Whether a pose explains so little of what another one does that it need not be compared with it.
@@ -331,6 +346,12 @@ bool PoseFinder::beats_mirror_image(const Context& context, const Candidate& cha
 Result<void> PoseFinder::outline_agrees(const Context& context, const Candidate& champion) {
   const PartModel& model = context.models[static_cast<std::size_t>(champion.model_index)];
   if (!held_by_outline(champion.alignment, model)) return {};
+  if (champion.evidence.in_view < kOutlineInView && shows_little(champion, model)) {
+    return failure(ResultCode::kPartlyOutOfView,
+                   "little but its outline holds the part, and %.0f %% of it lies beyond the image's edge; it is seen "
+                   "whole on its next lap",
+                   100.0 * (1.0 - champion.evidence.in_view));
+  }
   const result::PartPose& pose = champion.alignment.T_camera_part;
   draw(context, champion, Detail::kFine);
   const double reach_mm =
