@@ -16,12 +16,13 @@ namespace beltpick::pipeline {
 // What a search tries, in the order in which it is worth while: each finds parts that those before it do not, at a
 // higher price.
 enum class Effort : std::uint8_t {
-  kPrimitives,      // what the object's cylinders and spheres suggest
-  kPlanes,          // what one face suggests
-  kPieces,          // both, on the object and those next to it: shadows may have cut one part into pieces
-  kViews,           // every view of the part
-  kNeighbourhoods,  // by primitives, faces and views, what lies close together: an object may be several parts
-  kAll,             // all that in turn, on the object and those next to it
+  kPrimitives,  // what the object's cylinders and spheres suggest
+  kPlanes,      // what one face suggests
+  kPieces,      // both, then every view, on the object and those next to it: shadows may have cut one part in pieces
+  kViews,       // every view of the part
+  kNeighbourhoods,        // by primitives, faces and views, what lies close together: an object may be several parts
+  kJoined,                // as pieces, what found nothing and what found nothing next to it
+  kJoinedNeighbourhoods,  // the same in neighbourhoods
 };
 
 // A pose on trial.

@@ -21,6 +21,13 @@ bool near(const Segment& a, const Segment& b, int reach_px) {
          b.col_min <= a.col_max + reach_px;
 }
 
+// As they are now: of what has been taken away of them since, the count of pixels tells.
+bool same_pieces(const Object& a, const Object& b) {
+  const std::span labels(a.labels, static_cast<std::size_t>(a.label_count));
+  return a.label_count == b.label_count && a.pixels == b.pixels &&
+         std::all_of(labels.begin(), labels.end(), [&](std::uint16_t label) { return b.holds(label); });
+}
+
 }  // namespace
 
 ObjectBook::ObjectBook(Arena& arena, const Limits& limits)
@@ -101,6 +108,9 @@ void ObjectBook::renew(Entry& e) const {
   }
 }
 
+// Neighbourhoods help where a pose was found that is not quite right: between two parts.
+bool ObjectBook::came_near(const Entry& e) { return e.nearest.stage == Stage::kVerify && !e.nearest.ambiguous(); }
+
 // The lower, the earlier it is searched.
 int ObjectBook::turn(const Entry& e) const {
   constexpr int kAfterWhole = static_cast<int>(Effort::kNeighbourhoods);
@@ -137,17 +147,21 @@ std::span<const Object> ObjectBook::next_round(const result::Scene& scene, doubl
 
 // What found nothing, together with what found nothing next to it.
 void ObjectBook::join_failed(double reach_mm) {
-  effort_ = Effort::kAll;
-  for (Entry& e : entries_.first(entry_count_)) {
-    if (e.joined || !e.nearest.failed() || e.segment.pixels == 0) continue;
-    e.joined = true;
-    add_joined(e, reach_mm, [](const Entry& other) { return other.nearest.failed(); });
+  for (const Effort effort : {Effort::kJoined, Effort::kJoinedNeighbourhoods}) {
+    effort_ = effort;
+    for (Entry& e : entries_.first(entry_count_)) {
+      if (e.joined >= effort || !e.nearest.failed() || e.segment.pixels == 0) continue;
+      e.joined = effort;
+      if (effort == Effort::kJoinedNeighbourhoods && !came_near(e)) continue;
+      add_joined(e, reach_mm, [](const Entry& other) { return other.nearest.failed(); });
+    }
+    if (object_count_ > 0) return;
   }
 }
 
-// A new object of the seed and those next to it that belong, if there are any, and it is none of this round's yet.
+// A new object of the seed and those next to it that belong, if there are any, and it was not searched already.
 template <class Belongs>
-void ObjectBook::add_joined(const Entry& seed, double reach_mm, const Belongs& belongs) {
+void ObjectBook::add_joined(Entry& seed, double reach_mm, const Belongs& belongs) {
   const double pitch_mm = std::sqrt(seed.area_mm2 / seed.segment.pixels);
   const int reach_px = static_cast<int>(reach_mm / pitch_mm);
   Object object;
@@ -156,17 +170,20 @@ void ObjectBook::add_joined(const Entry& seed, double reach_mm, const Belongs& b
     if (&other == &seed || !belongs(other) || other.segment.pixels == 0) continue;
     if (near(seed.segment, other.segment, reach_px)) object.add(other.segment);
   }
-  if (object.label_count > 1 && !searched_already(object)) objects_[object_count_++] = object;
+  if (object.label_count < 2 || searched_already(object)) return;
+  objects_[object_count_++] = object;
+  seed.pieces = object;
 }
 
-// The same pieces, begun with another one.
+// The same pieces, begun with another one: in this round; or before, where it would be the same search again.
 bool ObjectBook::searched_already(const Object& object) const {
-  const std::span labels(object.labels, static_cast<std::size_t>(object.label_count));
-  return std::any_of(objects_.begin(), objects_.begin() + static_cast<std::ptrdiff_t>(object_count_),
-                     [&](const Object& other) {
-                       return other.label_count == object.label_count &&
-                              std::all_of(labels.begin(), labels.end(), [&](auto l) { return other.holds(l); });
-                     });
+  const auto same = [&](const Object& other) { return same_pieces(object, other); };
+  if (effort_ == Effort::kJoined) {
+    const std::span labels(object.labels, static_cast<std::size_t>(object.label_count));
+    return std::any_of(labels.begin(), labels.end(), [&](std::uint16_t label) { return same(entry(label)->pieces); });
+  }
+  const auto objects = objects_.first(object_count_);
+  return std::any_of(objects.begin(), objects.end(), same);
 }
 
 void ObjectBook::explain(const result::Scene& scene, const PartModel& model, const result::PartPose& T_camera_part,
@@ -197,12 +214,10 @@ void ObjectBook::failed(const Object& object, const Attempt& attempt) {
     // What is left of a part with an ambiguous pose adds nothing.
     const bool known = e->claimed || (e->given_up && e->nearest.ambiguous());
     if (!known && attempt.failed() && attempt.nearer_than(e->nearest)) e->nearest = attempt;
-    if (effort_ == Effort::kAll || effort_ == Effort::kPieces) continue;
+    if (effort_ == Effort::kPieces || effort_ >= Effort::kJoined) continue;
     const bool hopeless = attempt.reason.code == ResultCode::kObjectTooSmall ||
                           attempt.reason.code == ResultCode::kDuplicatePose || effort_ == Effort::kNeighbourhoods;
-    // Neighbourhoods help where a pose was found that is not quite right: between two parts.
-    const bool single = e->nearest.stage != Stage::kVerify || e->nearest.ambiguous();
-    e->given_up = hopeless || (effort_ == Effort::kViews && single);
+    e->given_up = hopeless || (effort_ == Effort::kViews && !came_near(*e));
     if (!e->given_up) e->next = static_cast<Effort>(static_cast<int>(effort_) + 1);
   }
 }

@@ -66,17 +66,19 @@ class ObjectBook {
     double area_mm2 = 0.0;
     Effort next = Effort::kPrimitives;
     bool given_up = false;
-    bool claimed = false;  // an ambiguous pose explains what has been taken away
-    bool joined = false;   // was searched with its neighbours
+    bool claimed = false;                 // an ambiguous pose explains what has been taken away
+    Object pieces;                        // what was last searched round it, itself and those next to it
+    Effort joined = Effort::kPrimitives;  // the last such search for what had failed
     Attempt nearest;
   };
 
   void recount(const result::Scene& scene);
   void renew(Entry& entry) const;
+  [[nodiscard]] static bool came_near(const Entry& entry);
   [[nodiscard]] int turn(const Entry& entry) const;
   void join_failed(double reach_mm);
   template <class Belongs>
-  void add_joined(const Entry& seed, double reach_mm, const Belongs& belongs);
+  void add_joined(Entry& seed, double reach_mm, const Belongs& belongs);
   [[nodiscard]] bool searched_already(const Object& object) const;
   Entry* entry(std::uint16_t label);
   [[nodiscard]] const Entry* entry(std::uint16_t label) const;

@@ -98,13 +98,16 @@ Attempt PoseFinder::find(const result::Scene& scene, ImageView<const std::uint16
                          .error();
     return attempt;
   }
-  if (effort == Effort::kNeighbourhoods) return try_neighbourhoods(context);
-  if (effort == Effort::kPieces) return try_routes(context, std::span(kRoutes).first<2>());
-  if (effort != Effort::kAll) return try_route(context, effort);
-  const Attempt whole = try_routes(context, kRoutes);
-  if (whole.verified || whole.stage != Stage::kVerify || whole.ambiguous()) return whole;
-  const Attempt part = try_neighbourhoods(context);
-  return part.verified ? part : whole;
+  switch (effort) {
+    case Effort::kNeighbourhoods:
+    case Effort::kJoinedNeighbourhoods:
+      return try_neighbourhoods(context);
+    case Effort::kPieces:
+    case Effort::kJoined:
+      return try_routes(context, kRoutes);
+    default:
+      return try_route(context, effort);
+  }
 }
 
 // Parts that were not parted pull a pose between them: what lies close together belongs to one, and the one on top is

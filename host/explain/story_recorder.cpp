@@ -33,7 +33,8 @@ const char* route_name(pipeline::Effort route) {
       return "by one face";
     case pipeline::Effort::kPieces:
     case pipeline::Effort::kNeighbourhoods:
-    case pipeline::Effort::kAll:
+    case pipeline::Effort::kJoined:
+    case pipeline::Effort::kJoinedNeighbourhoods:
       break;
   }
   return "by all routes";

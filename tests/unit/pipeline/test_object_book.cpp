@@ -86,10 +86,31 @@ TEST_CASE(
   Book book(test::test_limits());
   book.made.begin(sheet.scene, sheet.segments, kSmallestView_mm2);
   CHECK(all_rounds(book.made, sheet.scene, withheld(ResultCode::kFreeSpaceViolated)) ==
-        std::vector<std::string>{"0: 1", "1: 1", "3: 1", "0: 2 3", "1: 2 3", "2: 2+3", "3: 2 3", "4: 1 2 3", "5: 2+3"});
+        std::vector<std::string>{"0: 1", "1: 1", "3: 1", "0: 2 3", "1: 2 3", "2: 2+3", "3: 2 3", "4: 1 2 3", "6: 2+3"});
   std::array<WithheldObject, 8> out;
   REQUIRE(book.made.withheld(out) == 4);
   CHECK(out[3].reason.code == ResultCode::kObjectTooSmall);
+}
+
+TEST_CASE("pieces that were searched together are searched so again when some of them is gone, and not before") {
+  const test::LoadedPart loaded(test::bracket());
+  Sheet sheet;
+  sheet.add(0, 0, 10, 40);
+  sheet.add(20, 0, 10, 40);
+  const Attempt in_vain = withheld(ResultCode::kCoverageTooLow);
+  for (const bool some_gone : {false, true}) {
+    Book book(test::test_limits());
+    book.made.begin(sheet.scene, sheet.segments, kSmallestView_mm2);
+    do {
+      for (const Object& object : book.made.next_round(sheet.scene, 20.0)) book.made.failed(object, in_vain);
+    } while (book.made.effort() != Effort::kPieces);
+    result::PartPose pose;
+    pose.translation_mm = Vec3(0.0, 0.0, 500.0) - loaded.model().surface.front().point_mm.cast<double>();
+    if (some_gone) book.made.explain(sheet.scene, loaded.model(), pose, {0, 9, 0, 3});
+    const auto rounds = all_rounds(book.made, sheet.scene, in_vain);
+    CHECK(rounds == (some_gone ? std::vector<std::string>{"3: 1 2", "4: 1 2", "5: 1+2", "6: 1+2"}
+                               : std::vector<std::string>{"3: 1 2", "4: 1 2", "6: 1+2"}));
+  }
 }
 
 TEST_CASE("neighbourhoods are not searched where no pose came near, nor where one is ambiguous") {
