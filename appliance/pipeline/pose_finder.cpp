@@ -361,10 +361,14 @@ void PoseFinder::finish(const Context& context, Candidate& candidate) {
 
 void PoseFinder::finish_closely(const Context& context, Candidate& candidate) {
   if (!align_in_sight(context, candidate, kClose)) return;
+  weigh_closely(context, candidate);
+  candidate.finished = true;
+}
+
+void PoseFinder::weigh_closely(const Context& context, Candidate& candidate) {
   const PartModel& model = context.models[static_cast<std::size_t>(candidate.model_index)];
   weigh(context, candidate, Detail::kFine);
   candidate.evidence.blemishes = blemishes_.find(drawing_, context.scene, model.spacing_mm);
-  candidate.finished = true;
 }
 
 }  // namespace beltpick::pipeline

@@ -100,14 +100,17 @@ class PoseFinder {
   void weigh(const Context& context, Candidate& candidate, Detail detail);
   void finish(const Context& context, Candidate& candidate);
   bool loses(const Context& context, const Candidate& champion, Candidate& other);
+  bool keeps_up(const Context& context, const Candidate& champion, Candidate& other);
   bool finish_challenger(const Context& context, const Candidate& champion, Candidate& other);
   void finish_closely(const Context& context, Candidate& candidate);
+  void weigh_closely(const Context& context, Candidate& candidate);
   bool align_in_sight(const Context& context, Candidate& candidate, const Look& look);
   [[nodiscard]] static bool far_behind(const Context& context, const Candidate& other, const Candidate& champion,
                                        const Gate& gate);
   Attempt decide(const Context& context);
   [[nodiscard]] static Result<void> plain_verdict(const Context& context, const Candidate& candidate);
   [[nodiscard]] static bool out_of_question(const Context& context, const Candidate& candidate);
+  bool finish_if_worth_it(const Context& context, Candidate& candidate);
   void keep_support();
   [[nodiscard]] bool only_blemished(const Context& context, const Candidate& champion) const;
   bool challenge(const Context& context, Candidate& champion);
