@@ -149,10 +149,10 @@ void Locator::settle(const result::Scene& scene, std::span<const PartModel> mode
       attempt.reason = fits.error();
       continue;
     }
-    if (was_ambiguous(scene, models, attempt.best)) {
-      attempt.reason =
-          failure(ResultCode::kPoseAmbiguous, "another pose fitted as well before; wait for a better view of the part")
-              .error();
+    if (found_ambiguous(scene, models, attempt.best, objects.size())) {
+      attempt.reason = failure(ResultCode::kPoseAmbiguous,
+                               "another search found another pose to fit as well; wait for a better view of the part")
+                           .error();
       continue;
     }
     if (accepted_count_ == accepted_.size()) {
@@ -206,10 +206,13 @@ Result<void> Locator::fits_like_others(const result::Scene& scene, const Candida
                  candidate.evidence.rms_mm, usual_mm);
 }
 
-// By a search before this one, of whatever segment.
-bool Locator::was_ambiguous(const result::Scene& scene, std::span<const PartModel> models,
-                            const Candidate& candidate) const {
-  return book_.any_ambiguous([&](const Attempt& before) { return doubted(candidate, before, scene, models); });
+// By a search before, or beside, the one it comes from, of whatever segment.
+bool Locator::found_ambiguous(const result::Scene& scene, std::span<const PartModel> models, const Candidate& candidate,
+                              std::size_t searched) const {
+  const auto doubts = [&](const Attempt& other) { return doubted(candidate, other, scene, models); };
+  const auto beside = attempts_.first(searched);
+  return book_.any_ambiguous(doubts) ||
+         std::any_of(beside.begin(), beside.end(), [&](const Attempt& a) { return a.ambiguous() && doubts(a); });
 }
 
 // A part is there, though its pose cannot be told: no other part may be made of its surface.

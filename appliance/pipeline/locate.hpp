@@ -63,8 +63,8 @@ class Locator {
   void settle(const result::Scene& scene, std::span<const PartModel> models, std::span<const Object> objects);
   void reconsider_shadowed(const result::Scene& scene, std::span<const PartModel> models);
   [[nodiscard]] Result<void> fits_like_others(const result::Scene& scene, const Candidate& candidate) const;
-  [[nodiscard]] bool was_ambiguous(const result::Scene& scene, std::span<const PartModel> models,
-                                   const Candidate& candidate) const;
+  [[nodiscard]] bool found_ambiguous(const result::Scene& scene, std::span<const PartModel> models,
+                                     const Candidate& candidate, std::size_t searched) const;
   void claim_ambiguous(const result::Scene& scene, std::span<const PartModel> models, std::span<const Object> objects);
   [[nodiscard]] std::optional<std::size_t> holder(const result::Scene& scene, std::span<const PartModel> models,
                                                   const Candidate& candidate) const;
