@@ -62,6 +62,8 @@ void take(Options& options, const std::string& name, const std::string& value) {
     options.expect_recall = number<double>(name, value);
   } else if (name == "--workers") {
     options.workers = number<int>(name, value);
+  } else if (name == "--repeats") {
+    options.repeats = number<int>(name, value);
   } else {
     throw std::runtime_error(name + ": no such option; see --help");
   }
@@ -90,8 +92,8 @@ Options read_options(int argc, char** argv) {
   }
   if (options.scene) options.first_scene = *options.scene, options.scenes = options.jobs = 1;
   if (!options.explain.empty() && !options.scene) throw std::runtime_error("--explain: expected --scene K beside it");
-  if (options.jobs < 1 || options.scenes < 1 || options.stride < 1)
-    throw std::runtime_error("--jobs, --scenes, --stride: expected at least 1");
+  if (options.jobs < 1 || options.scenes < 1 || options.stride < 1 || options.repeats < 1)
+    throw std::runtime_error("--jobs, --scenes, --stride, --repeats: expected at least 1");
   return options;
 }
 

@@ -19,6 +19,7 @@ struct Options {
   int parts = 0;                   // in each scene; 0: three to seven
   double noise_mm = 0.0;           // instead of what the noise law gives; 0: the law
   int workers = 1;                 // threads that look for poses, in each process
+  int repeats = 1;                 // of the search of each scene, whose times are the least
   int width = 1280, height = 960;
   std::filesystem::path templates = BELTPICK_BENCH_DIR "/pose_templates";
   std::filesystem::path records;  // empty: not kept
@@ -43,6 +44,8 @@ inline constexpr const char* kHelp =
     "  --parts N           so many parts in each scene\n"
     "  --noise-mm X        points off by so much (standard deviation) instead of codes by the noise law\n"
     "  --workers W         threads that look for poses, in each process (default 1)\n"
+    "  --repeats R         each scene is searched so often, and the least of each time is told: without what else the\n"
+    "                      machine does (default 1)\n"
     "  --records FILE      keep a line a scene here; a run that broke off goes on where it stood\n"
     "  --jobs J            processes (default 2)\n"
     "  --camera WxH        of the virtual camera (default 1280x960)\n"
@@ -60,7 +63,8 @@ inline constexpr const char* kHelp =
     "  the bulk        bench_pose --seed 3 --scenes 2400 --records seed3.jsonl\n"
     "  one scene       bench_pose --seed 3 --scene 17 --explain scene17\n"
     "  accuracy        bench_pose --seed 3 --scenes 100 --kinds apart --noise-mm 0.05 --rendered-every 0\n"
-    "  one core        bench_pose --seed 3 --scenes 30 --kinds apart --parts 3 --rendered-every 1 --jobs 1\n"
+    "  one core        bench_pose --seed 3 --scenes 30 --kinds apart --parts 3 --rendered-every 1 --jobs 1 --repeats "
+    "3\n"
     "  peers           bench_pose --peers --seed 3 --scenes 20 --stride 10 --kinds apart,heap\n"
     "  two cores       the same with --workers 2\n";
 

@@ -18,8 +18,9 @@ class SceneBench {
   struct Scene {
     ScenePlan plan;
     SeenScene seen;
-    pipeline::Located located;
-    double making_ms = 0.0;  // wall time until there was a range image
+    pipeline::Located located;            // its times are the least of all repeats
+    double making_ms = 0.0;               // wall time until there was a range image
+    std::vector<double> least_object_ms;  // what located.found.object_ms shows
   };
   Scene run(int k);
   // What will lie in it, and what will be loaded.
@@ -30,11 +31,13 @@ class SceneBench {
 
  private:
   void load(const std::vector<int>& templates);
+  void locate(Scene& scene);
 
   const PartPool& pool_;
   PlanOptions plan_options_;
   BeltCamera camera_;
   Machine machine_;
+  int repeats_;
   std::vector<int> loaded_;
 };
 
