@@ -53,7 +53,9 @@ class Bench {
 
   // The part's object, where the product's segmentation gives it one that is nothing else's.
   void try_part(int i, const SceneBench::Scene& shown, const result::Scene& scene) {
-    const auto& [plan, seen, located, making_ms] = shown;
+    const ScenePlan& plan = shown.plan;
+    const SeenScene& seen = shown.seen;
+    const pipeline::Located& located = shown.located;
     const auto& truth = seen.truth.parts[static_cast<std::size_t>(i)];
     const auto loaded = std::find(plan.loaded.begin(), plan.loaded.end(), seen.part[static_cast<std::size_t>(i)]);
     if (loaded == plan.loaded.end() || truth.visible_fraction < kLeastVisible) return;
