@@ -14,6 +14,10 @@ namespace beltpick::pipeline {
 result::Rivalry contend(const Candidate& a, const Candidate& b, const result::Scene& scene,
                         std::span<const PartModel> models);
 
+// Whether a pose is to be believed against a finished one that claims the same object. What a pose with blemishes
+// explains as well, another may have; not what it explains better.
+bool stands(const Candidate& champion, const Candidate& rival, const result::Rivalry& rivalry);
+
 // Whether a pose found ambiguous in an earlier search lets `candidate` be doubted: it is the same one, or explains the
 // same surface as well. A doubt does not end because a later search did not meet again what raised it; but whether what
 // is in view holds the part, each search sees for itself.

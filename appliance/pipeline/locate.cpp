@@ -241,7 +241,7 @@ void Locator::contest(const result::Scene& scene, std::span<const PartModel> mod
                       Attempt& attempt) {
   const Candidate& first = accepted_[held].candidate;
   if (same_pose(first, attempt.best, models[static_cast<std::size_t>(first.model_index)])) return;
-  if (result::prevails(contend(first, attempt.best, scene, models))) return;
+  if (result::prevails(contend(first, attempt.best, scene, models), first.evidence.support)) return;
   attempt.reason = failure(ResultCode::kPoseAmbiguous,
                            "pieces of one object fit different poses as well; wait for a better view of the part")
                        .error();

@@ -127,16 +127,18 @@ Attempt PoseFinder::decide(const Context& context) {
     return attempt;
   }
   sort_by_strength();
+  const double least_strength = kWorthFinishing * candidates_.front().strength;
   int finished = 0;
   for (int i = 0; i < candidate_count_ && finished < kFinished; ++i) {
-    const Candidate& candidate = candidates_[static_cast<std::size_t>(i)];
-    if (candidate.strength < kWorthFinishing * candidates_.front().strength) break;
+    Candidate& candidate = candidates_[static_cast<std::size_t>(i)];
+    if (candidate.strength < least_strength) break;
     Candidate champion = candidate;
     const bool first = finished++ == 0;
     if (out_of_question(context, candidate) || !finish_if_worth_it(context, champion)) {
       if (first) attempt.best = champion, attempt.reason = plain_verdict(context, champion).error();
       continue;
     }
+    candidate = champion;  // which those after it have to reckon with
     keep_support();
     auto verdict = trial(context, champion, i);
     auto outline = verdict ? outline_agrees(context, champion) : verdict;  // while it is drawn
@@ -329,12 +331,11 @@ bool PoseFinder::beats_rivals(const Context& context, const Candidate& champion,
     }
     ++finished;
     if (hopeless(rival, champion, context.models) || same_pose(champion, rival, model)) continue;
-    if (rival.evidence.blemishes.any()) continue;
     const auto& other = context.models[static_cast<std::size_t>(rival.model_index)];
     const result::Rivalry rivalry = result::compare({model, champion.alignment.T_camera_part},
                                                     {other, rival.alignment.T_camera_part}, context.scene, 1);
     if (trace_ != nullptr) trace_->compared(champion, rival, rivalry);
-    if (rivalry.same_object() && !result::prevails(rivalry)) return false;
+    if (rivalry.same_object() && !stands(champion, rival, rivalry)) return false;
   }
   return true;
 }
@@ -363,7 +364,7 @@ bool PoseFinder::beats_mirror_image(const Context& context, const Candidate& cha
     const result::Rivalry rivalry =
         result::compare({model, pose}, {model, rival.alignment.T_camera_part}, context.scene, 1);
     if (trace_ != nullptr) trace_->compared(champion, rival, rivalry);
-    if (!rivalry.same_object() || result::prevails(rivalry)) continue;
+    if (!rivalry.same_object() || result::prevails(rivalry, champion.evidence.support)) continue;
     weigh_closely(context, rival);
     if (!hopeless(rival, champion, context.models) && !rival.evidence.blemishes.any()) return false;
   }

@@ -29,7 +29,11 @@ struct Rival {
 // surface of either. The tolerance is that of each model's spacing.
 Rivalry compare(const Rival& first, const Rival& second, const Scene& scene, int step);
 
-// Whether the first pose is to be believed against the second: enough places speak for it, and few against.
-bool prevails(const Rivalry& rivalry);
+// The same from the second's side.
+constexpr Rivalry reversed(const Rivalry& r) { return {r.both, r.only_second, r.only_first}; }
+
+// Whether the first pose, of which `support` is measured, is to be believed against the second: enough places speak for
+// it, and few against.
+bool prevails(const Rivalry& rivalry, double support);
 
 }  // namespace beltpick::result

@@ -5,6 +5,7 @@
 #include "contract/result_codes.hpp"
 #include "contract_io/json_writer.hpp"
 #include "explain/checks.hpp"
+#include "pipeline/contest.hpp"
 
 namespace beltpick::explain {
 namespace {
@@ -102,7 +103,7 @@ Json judged_json(const Judged& judged, const Explained& explained) {
     rival["pixels_on_champion_only"] = story.rivalry.only_first;
     rival["pixels_on_rival_only"] = story.rivalry.only_second;
     rival["same_object"] = story.rivalry.same_object();
-    rival["champion_prevails"] = result::prevails(story.rivalry);
+    rival["champion_prevails"] = pipeline::stands(judged.champion, story.rival, story.rivalry);
     rivals.push_back(std::move(rival));
   }
   json["rivals"] = rivals;

@@ -8,6 +8,7 @@
 #include "contract_io/image_io.hpp"
 #include "explain/checks.hpp"
 #include "explain/q_map_plot.hpp"
+#include "pipeline/contest.hpp"
 
 namespace beltpick::explain {
 namespace {
@@ -161,9 +162,9 @@ std::string rivals_part(const Judged& judged, const Explained& explained) {
     const PoseDifference apart =
         difference_modulo_symmetry(judged.champion.alignment.T_camera_part, story.rival.alignment.T_camera_part,
                                    model_of(judged.champion, explained));
-    const char* outcome = !story.rivalry.same_object()      ? "another object"
-                          : result::prevails(story.rivalry) ? "the champion prevails"
-                                                            : "cannot be told apart";
+    const char* outcome = !story.rivalry.same_object()                                    ? "another object"
+                          : pipeline::stands(judged.champion, story.rival, story.rivalry) ? "the champion prevails"
+                                                                                          : "cannot be told apart";
     rows.push_back({html::text(name_of(story.rival.model_index, explained)), html::number(apart.translation_mm, 1),
                     html::number(deg_from_rad(apart.rotation_rad), 1), html::number(story.rival.strength, 3),
                     html::number(story.rivalry.only_first, 0), html::number(story.rivalry.only_second, 0),

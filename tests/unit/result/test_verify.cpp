@@ -209,17 +209,25 @@ TEST_CASE("of two poses the picture prefers the true one, and cannot choose betw
   const result::Rival truth{bench.loaded.model(), bench.truth};
   const result::Rival turned{bench.loaded.model(), bench.turned(Vec3::UnitZ(), kPi / 4)};
   const result::Rival equal{bench.loaded.model(), bench.turned(Vec3::UnitZ(), kPi / 2)};
-  CHECK(result::prevails(result::compare(truth, turned, bench.scene(), 1)));
-  CHECK_FALSE(result::prevails(result::compare(turned, truth, bench.scene(), 1)));
+  CHECK(result::prevails(result::compare(truth, turned, bench.scene(), 1), 1.0));
+  CHECK_FALSE(result::prevails(result::compare(turned, truth, bench.scene(), 1), 1.0));
   const auto tie = result::compare(truth, equal, bench.scene(), 1);
   CHECK(tie.same_object());
-  CHECK_FALSE(result::prevails(tie));
+  CHECK_FALSE(result::prevails(tie, 1.0));
 }
 
 TEST_CASE("a pose prevails that explains clearly more than its rival, or all that the rival does") {
-  CHECK(result::prevails({30000, 115, 7}));
-  CHECK(result::prevails({14000, 300, 60}));
+  CHECK(result::prevails({30000, 115, 7}, 1.0));
+  CHECK(result::prevails({14000, 300, 60}, 1.0));
   // Two neighbours along a freedom that is hardly held: both wrong, the one by chance a little better.
-  CHECK_FALSE(result::prevails({21000, 254, 39}));
-  CHECK_FALSE(result::prevails({95000, 207, 90}));
+  CHECK_FALSE(result::prevails({21000, 254, 39}, 1.0));
+  CHECK_FALSE(result::prevails({95000, 207, 90}, 1.0));
+}
+
+TEST_CASE("a pose of a part that is half hidden needs more than a sliver to prevail") {
+  for (const result::Rivalry& sliver : {result::Rivalry{13932, 117, 6}, {13512, 222, 13}, {9080, 178, 0}}) {
+    CHECK_FALSE(result::prevails(sliver, 0.5));
+    CHECK(result::prevails(sliver, 0.9));
+  }
+  CHECK(result::prevails({9080, 600, 40}, 0.3));
 }
